@@ -1,0 +1,32 @@
+# Every target does its own set-up: Python 3.10 or newer with venv, and a C compiler, are enough.
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: demo test lint bench clean
+.DELETE_ON_ERROR:
+
+demo: .venv/installed
+	$(BIN)/moro-codegen puma560
+
+test: .venv/tests
+	$(BIN)/pytest
+
+lint: .venv/tests
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+
+clean:
+	rm -rf .venv build/bdist.* build/lib* build/temp.* *.egg-info codegen/_runtime.c codegen/*.so
+
+.venv/bin/python:
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --upgrade pip
+
+.venv/installed: .venv/bin/python pyproject.toml setup.py codegen/_runtime.pyx
+	$(BIN)/python -m pip install --quiet --editable .
+	touch $@
+
+.venv/tests: .venv/installed
+	$(BIN)/python -m pip install --quiet --editable ".[test,lint]"
+	touch $@

@@ -1,0 +1,1 @@
+"""Loads kernels and checks arrays."""

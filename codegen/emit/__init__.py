@@ -1,0 +1,1 @@
+"""The expression graph as text: C, Cython, NumPy."""

@@ -1,0 +1,1 @@
+"""Robot arms: exact symbolic equations of motion."""

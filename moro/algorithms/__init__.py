@@ -1,0 +1,1 @@
+"""Textbook algorithms, each written once over any scalar."""

@@ -1,0 +1,1 @@
+"""robot.yaml in, Robot out."""

@@ -1,0 +1,1 @@
+"""Packaged arms, as data."""

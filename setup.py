@@ -1,0 +1,19 @@
+"""The compiled part of the build: ``_runtime.pyx`` needs NumPy's headers, which only code can find."""
+
+import numpy
+from Cython.Build import cythonize
+from setuptools import Extension, setup
+
+setup(
+    ext_modules=cythonize(
+        [
+            Extension(
+                "moro_codegen._runtime",
+                ["codegen/_runtime.pyx"],
+                include_dirs=[numpy.get_include()],
+                define_macros=[("NPY_NO_DEPRECATED_API", "NPY_2_0_API_VERSION")],
+            )
+        ],
+        compiler_directives={"language_level": 3},
+    )
+)

@@ -1,0 +1,1 @@
+"""Everything that is emitted, as Jinja templates."""
