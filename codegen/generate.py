@@ -1,0 +1,129 @@
+"""From a model to a program: for every function asked for, the operations to carry out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from moro_codegen.convert import Converter
+from moro_codegen.functions import FUNCTIONS, Argument, Function, System
+from moro_codegen.graph import Graph, Node, count, schedule
+
+from moro.model import JointKind, Model
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of the model that is given at run time."""
+
+    name: str
+    default: float | None
+    description: str
+
+
+@dataclass(frozen=True)
+class Routine:
+    """A function of one arm, ready to be written in any language."""
+
+    function: Function
+    #: with their shapes in numbers; run-time parameters are not among them
+    inputs: tuple[Argument, ...]
+    outputs: tuple[Argument, ...]
+    #: every node to be computed, operands first: what ``angles`` need, then their sines and
+    #: cosines, then the rest; no constants and inputs
+    schedule: tuple[Node, ...]
+    #: the joint angles (sums, with offsets) whose sines and cosines are needed
+    angles: tuple[Node, ...]
+    #: flat, row-major, in the order of ``outputs``
+    results: tuple[Node, ...]
+    #: how many of "add", "sub" (with "neg"), "mul", "div", "sincos" (pairs), "sign", "call"
+    ops: dict[str, int]
+
+
+@dataclass(frozen=True)
+class Program:
+    """The routines of one arm."""
+
+    name: str
+    dof: int
+    joint_kinds: tuple[JointKind, ...]
+    parameters: tuple[Parameter, ...]
+    routines: tuple[Routine, ...]
+
+
+def generate(
+    model: Model,
+    functions: Sequence[str] = ("tau",),
+    parameters: Mapping[Any, Any] | None = None,
+    *,
+    rigid: bool = False,
+) -> Program:
+    """Return the program of the functions named.
+
+    ``parameters`` maps every symbol of the model to its default, or to None: the k-th becomes the
+    input ("parameters", k). ``rigid`` leaves out rotor inertia and friction.
+    """
+    parameters = parameters or {}
+    graph = Graph()
+    symbols = {symbol: graph.input("parameters", k) for k, symbol in enumerate(parameters)}
+    system = System(graph, model.map(Converter(graph, symbols)), rigid)
+    return Program(
+        model.name,
+        model.dof,
+        tuple(joint.kind for joint in model.joints),
+        tuple(
+            Parameter(str(symbol), None if default is None else float(default), "")
+            for symbol, default in parameters.items()
+        ),
+        tuple(routine(system, FUNCTIONS[name]) for name in functions),
+    )
+
+
+def routine(system: System, function: Function) -> Routine:
+    """Return the routine of one function."""
+    inputs = tuple(_resolved(argument, system.model.dof) for argument in function.inputs)
+    outputs = tuple(_resolved(argument, system.model.dof) for argument in function.outputs)
+    nodes = [[system.graph.input(a.name, k) for k in range(_size(a))] for a in inputs]
+    results = tuple(x for output in function.build(system, *nodes) for x in output)
+    order, angles = _angles_first(schedule(results))
+    return Routine(function, inputs, outputs, order, angles, results, count(order))
+
+
+def _angles_first(order: Sequence[Node]) -> tuple[tuple[Node, ...], tuple[Node, ...]]:
+    """Return the schedule with angles, their sines and cosines in front, and the angles."""
+    moving = set()  # what depends on q and on no sine or cosine
+    fixed = set()  # what does not depend on q
+    for node in order:
+        if all(a in fixed or _is_fixed(a) for a in node.args):
+            fixed.add(node)
+        elif node.op not in ("sin", "cos") and all(
+            a in moving or a in fixed or not a.args for a in node.args
+        ):
+            moving.add(node)
+    trig = [
+        node
+        for node in order
+        if node.op in ("sin", "cos") and (node.args[0] in moving or _is_position(node.args[0]))
+    ]
+    angles = tuple(dict.fromkeys(node.args[0] for node in trig))
+    first = [*schedule(angles), *trig]
+    placed = set(first)
+    return (*first, *(node for node in order if node not in placed)), angles
+
+
+def _is_position(node: Node) -> bool:
+    return node.op == "input" and node.value[0] == "q"
+
+
+def _is_fixed(node: Node) -> bool:
+    return not node.args and not _is_position(node)
+
+
+def _resolved(argument: Argument, dof: int) -> Argument:
+    return replace(argument, shape=tuple(dof if size == "n" else size for size in argument.shape))
+
+
+def _size(argument: Argument) -> int:
+    return math.prod(int(size) for size in argument.shape)
