@@ -28,8 +28,8 @@ class Placement:
 class Joint:
     """Joint i: placed in the frame of its parent joint, then moved about or along its own z axis.
 
-    A revolute joint turns by ``q_i + offset`` [rad], a prismatic one slides by ``q_i + offset`` [m].
-    ``parent`` is the 0-based index of the parent joint, -1 for the base, and less than i.
+    A revolute joint turns by ``q_i + offset`` [rad], a prismatic one slides by it [m]. ``parent``
+    is the 0-based index of the parent joint, -1 for the base, and less than i.
     """
 
     kind: JointKind

@@ -1,0 +1,482 @@
+"""Exact trigonometric polynomials: the canonical form behind every closed-form result.
+
+Every entry of M, C, G, T, J of an arm is a polynomial in the sines and cosines of its joint angles,
+the displacements of its prismatic joints, velocities, and the symbols of the model, with rational
+coefficients. Reduced by ``sin^2 -> 1 - cos^2`` it has exactly one form, so zero is recognised by
+looking and equality is ``==``.
+
+A polynomial is a dictionary {monomial: coefficient}. A monomial is one integer that packs the
+exponents of all generators, eight bits each: monomials are multiplied by adding two integers.
+Generators come into being when they are first asked for. They are
+
+- symbols (and whatever is not a polynomial, taken as a whole: ``sqrt(l)``, ``exp(x)``),
+- square roots of integers, with ``g^2`` an integer,
+- pairs (sine, cosine) of an angle, with ``s^2 = 1 - c^2``.
+
+Angles are sums of joint variables. Consecutive parallel joints share one group of angles, q2 and
+q2 + q3, so that their rotations compose without products; see ``TrigRing.declare_angles``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import sympy as sp
+
+Coefficient: TypeAlias = "int | Fraction"
+Monomial: TypeAlias = int
+
+_BITS = 8
+_FIELD = (1 << _BITS) - 1
+#: the highest exponent that a product may reach; beyond it a field would overflow
+MAX_EXPONENT = (1 << (_BITS - 1)) - 1
+
+
+class Trig:
+    """A trigonometric polynomial: an immutable element of a ``TrigRing``.
+
+    Supports ``+ - *`` with other elements of the ring, integers and fractions, and ``==``.
+    """
+
+    __slots__ = ("ring", "terms")
+
+    def __init__(self, ring: TrigRing, terms: dict[Monomial, Coefficient]):
+        self.ring = ring
+        self.terms = terms
+
+    def __add__(self, other: Trig | Coefficient) -> Trig:
+        if not isinstance(other, Trig):
+            if other == 0:
+                return self
+            other = Trig(self.ring, {0: other})
+        if not other.terms:
+            return self
+        small, terms = other.terms, self.terms
+        if len(small) > len(terms):
+            small, terms = terms, small
+        terms = terms.copy()
+        for monomial, c in small.items():
+            total = terms.get(monomial, 0) + c
+            if total:
+                terms[monomial] = total
+            else:
+                del terms[monomial]
+        return Trig(self.ring, terms)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Trig:
+        return Trig(self.ring, {m: -c for m, c in self.terms.items()})
+
+    def __sub__(self, other: Trig | Coefficient) -> Trig:
+        return self + (-other)
+
+    def __rsub__(self, other: Coefficient) -> Trig:
+        return -self + other
+
+    def __mul__(self, other: Trig | Coefficient) -> Trig:
+        if not isinstance(other, Trig):
+            if other == 0:
+                return self.ring.zero
+            if other == 1:
+                return self
+            return Trig(self.ring, {m: c * other for m, c in self.terms.items()})
+        if not self.terms or not other.terms:
+            return self.ring.zero
+        short, long = self.terms, other.terms
+        if len(short) > len(long):
+            short, long = long, short
+        if len(short) == 1:
+            ((m0, c0),) = short.items()
+            product = {m + m0: c * c0 for m, c in long.items()}
+        else:
+            product = {}
+            get = product.get
+            items = list(long.items())
+            for m0, c0 in short.items():
+                for m, c in items:
+                    monomial = m + m0
+                    product[monomial] = get(monomial, 0) + c * c0
+        return Trig(self.ring, self.ring.reduced(product))
+
+    __rmul__ = __mul__
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, Trig):
+            return self.terms == other.terms
+        return self.terms == ({0: other} if other else {})
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self.terms.items()))
+
+    def __bool__(self) -> bool:
+        return bool(self.terms)
+
+    def __len__(self) -> int:
+        return len(self.terms)
+
+    def __repr__(self) -> str:
+        return f"Trig({self.ring.expanded(self)})"
+
+
+class TrigRing:
+    """The ring of trigonometric polynomials over the rationals, in generators as they turn up.
+
+    ``declare_angles`` comes first: it says which sums of joint variables are the basic angles.
+    """
+
+    def __init__(self) -> None:
+        self.zero = Trig(self, {})
+        self.one = Trig(self, {0: 1})
+        self.half = Fraction(1, 2)
+        #: what each generator stands for, by index
+        self.generators: list[Any] = []
+        self._index: dict[Any, int] = {}
+        self._constants: dict[Any, Trig] = {}
+        # bits of exponents that reduced() must look at
+        self._reducible = 0
+        self._sines: dict[int, int] = {}  # index of sine -> index of cosine
+        self._roots: dict[int, int] = {}  # index of square root -> its square
+        #: basic angle -> (index of sine, index of cosine)
+        self.pairs: dict[Any, tuple[int, int]] = {}
+        #: basic angles of parallel joints, in order, by group
+        self.groups: list[list[Any]] = []
+        # joint variable -> its angle as {basic angle: +-1} plus a constant
+        self._joint_angles: dict[Any, tuple[dict[Any, int], Any]] = {}
+        self._slopes: dict[Any, dict[Any, int]] = {}  # joint variable -> {basic angle: +-1}
+
+    # -- generators -------------------------------------------------------------------------------
+
+    def declare_angles(self, group: Sequence[tuple[Any, Any]]) -> None:
+        """Make each angle of a group of parallel joints basic.
+
+        ``group`` is a list of (joint variable, angle). The first angle is +- its joint variable
+        plus a constant, each further one the angle before it +- its own variable plus a constant.
+        """
+        before: Any = sp.Integer(0)
+        self.groups.append([angle for _, angle in group])
+        for k, (variable, angle) in enumerate(group):
+            sign = sp.expand(angle - before).coeff(variable)
+            terms = {angle: int(sign)} | ({before: -int(sign)} if k else {})
+            self._joint_angles[variable] = (
+                terms,
+                -sign * sp.expand(angle - before - sign * variable),
+            )
+            before = angle
+            self._pair(angle)
+            for earlier, _ in group[: k + 1]:
+                slope = int(sp.expand(angle).coeff(earlier))
+                self._slopes.setdefault(earlier, {})[angle] = slope
+
+    def generator(self, meaning: Any) -> Trig:
+        """Return the generator that stands for ``meaning``, a SymPy object, as a polynomial."""
+        if meaning not in self._index:
+            index = self._index[meaning] = len(self.generators)
+            self.generators.append(meaning)
+            self._reducible |= (MAX_EXPONENT + 1) << _BITS * index  # an overflow is not missed
+        return Trig(self, {1 << _BITS * self._index[meaning]: 1})
+
+    def _with_square(self, meaning: Any) -> int:
+        """Return the index of a generator whose square is replaced in products."""
+        self.generator(meaning)
+        index = self._index[meaning]
+        self._reducible |= (_FIELD & ~1) << _BITS * index
+        return index
+
+    def _pair(self, angle: Any) -> tuple[int, int]:
+        if angle not in self.pairs:
+            sine = self._with_square(sp.sin(angle, evaluate=False))
+            self.generator(sp.cos(angle, evaluate=False))
+            cosine = self._index[sp.cos(angle, evaluate=False)]
+            self._sines[sine] = cosine
+            self.pairs[angle] = sine, cosine
+        return self.pairs[angle]
+
+    def _root(self, n: int) -> Trig:
+        """Return sqrt(n), n free of squares, as the product of the roots of its primes."""
+        product = self.one
+        for prime in sp.primefactors(n):
+            root = sp.sqrt(prime)
+            if root not in self._index:
+                self._roots[self._with_square(root)] = prime
+            product = product * self.generator(root)
+        return product
+
+    def reduced(self, terms: dict[Monomial, Coefficient]) -> dict[Monomial, Coefficient]:
+        """Apply ``s^2 = 1 - c^2`` and ``sqrt(n)^2 = n`` until neither applies; drop zeros."""
+        mask = self._reducible
+        work = [(m, c) for m, c in terms.items() if m & mask]
+        if work:
+            terms = {m: c for m, c in terms.items() if not m & mask}
+            while work:
+                m, c = work.pop()
+                for m2, c2 in self._reduced_once(m, c):
+                    if m2 & mask:
+                        work.append((m2, c2))
+                    else:
+                        terms[m2] = terms.get(m2, 0) + c2
+        return {m: c for m, c in terms.items() if c}
+
+    def _reduced_once(self, m: Monomial, c: Coefficient) -> list[tuple[Monomial, Coefficient]]:
+        bits = m & self._reducible
+        index = ((bits & -bits).bit_length() - 1) // _BITS
+        square = 2 << _BITS * index
+        if index in self._sines:
+            rest = m - square
+            return [(rest, c), (rest + (2 << _BITS * self._sines[index]), -c)]
+        if index in self._roots:
+            return [(m - square, c * self._roots[index])]
+        raise OverflowError(
+            f"an exponent of {self.generators[index]} exceeds {MAX_EXPONENT} in a product"
+        )
+
+    # -- from SymPy -------------------------------------------------------------------------------
+
+    def convert(self, expr: Any) -> Trig:
+        """Bring a SymPy expression to canonical form; floats become the decimals they print as."""
+        expr = sp.sympify(expr)
+        found = self._constants.get(expr)
+        if found is None:
+            found = self._constants[expr] = self._convert(expr)
+        return found
+
+    def _convert(self, expr: Any) -> Trig:
+        if expr.is_Number:
+            return self._number(expr)
+        if expr.is_Add:
+            return sum((self.convert(arg) for arg in expr.args), self.zero)
+        if expr.is_Mul:
+            product = self.one
+            for arg in expr.args:
+                product = product * self.convert(arg)
+            return product
+        if expr.is_Pow:
+            return self._power(expr)
+        if isinstance(expr, (sp.sin, sp.cos)):
+            sine, cosine = self.sincos(expr.args[0])
+            return sine if isinstance(expr, sp.sin) else cosine
+        return self.generator(expr)
+
+    def _number(self, number: Any) -> Trig:
+        if number.is_Integer:
+            return self.zero + int(number)
+        if number.is_Rational:
+            return self.zero + Fraction(int(number.p), int(number.q))
+        if number.is_Float and number.is_finite:
+            return self.zero + _as_integer(Fraction(str(number)))
+        raise ValueError(f"{number} is not a finite real number")
+
+    def _power(self, power: Any) -> Trig:
+        base, exponent = power.args
+        if exponent.is_Integer and exponent > 0:
+            factor = self.convert(base)
+            return self._repeated_product(factor, int(exponent))
+        if base.is_Integer and base > 0 and exponent == sp.Rational(1, 2):
+            return self._root(int(base))
+        return self.generator(power)
+
+    def _repeated_product(self, factor: Trig, times: int) -> Trig:
+        if times > MAX_EXPONENT:
+            raise OverflowError(f"exponent {times} exceeds {MAX_EXPONENT}")
+        product = self.one
+        for _ in range(times):
+            product = product * factor
+        return product
+
+    def sincos(self, angle: Any) -> tuple[Trig, Trig]:
+        """Return (sin, cos) of an angle, a SymPy expression.
+
+        Integer combinations of joint variables and symbols are expanded by the addition theorems;
+        multiples of pi/2, pi/3, pi/4 are exact; any other constant angle is a pair of its own.
+        """
+        constant, terms = self._split(sp.expand(angle))
+        sine, cosine = self._constant_sincos(constant)
+        for part, times in terms.items():
+            for _ in range(abs(times)):
+                s, c = self._basic_sincos(part)
+                if times < 0:
+                    s = -s
+                sine, cosine = sine * c + cosine * s, cosine * c - sine * s
+        return sine, cosine
+
+    def _split(self, angle: Any) -> tuple[Any, dict[Any, int]]:
+        """Write ``angle`` as a constant plus whole multiples of basic angles and symbols."""
+        if angle in self.pairs:
+            return sp.Integer(0), {angle: 1}
+        constant, terms = sp.Integer(0), dict[Any, int]()
+        work = list(sp.Add.make_args(angle))
+        while work:
+            part = work.pop()
+            factor, rest = part.as_coeff_Mul()
+            if part.is_number:
+                constant += part
+            elif not factor.is_Integer:
+                terms[part] = terms.get(part, 0) + 1
+            elif rest in self._joint_angles:
+                basic, offset = self._joint_angles[rest]
+                work.extend(sp.Add.make_args(sp.expand(factor * offset)))
+                for a, n in basic.items():
+                    terms[a] = terms.get(a, 0) + int(factor) * n
+            else:
+                terms[rest] = terms.get(rest, 0) + int(factor)
+        return constant, {a: n for a, n in terms.items() if n}
+
+    def _basic_sincos(self, angle: Any) -> tuple[Trig, Trig]:
+        sine, cosine = self._pair(angle)
+        return Trig(self, {1 << _BITS * sine: 1}), Trig(self, {1 << _BITS * cosine: 1})
+
+    def _constant_sincos(self, angle: Any) -> tuple[Trig, Trig]:
+        if angle.is_Float:
+            angle = sp.Rational(str(angle))
+        if (12 * angle / sp.pi).is_Integer:  # multiples of pi/12 that need no nested roots
+            sine, cosine = sp.sin(angle), sp.cos(angle)
+            return self.convert(sp.expand(sine)), self.convert(sp.expand(cosine))
+        if angle.could_extract_minus_sign():
+            sine, cosine = self._basic_sincos(-angle)
+            return -sine, cosine
+        return self._basic_sincos(angle)
+
+    # -- calculus ---------------------------------------------------------------------------------
+
+    def diff(self, p: Trig, variable: Any) -> Trig:
+        """Return the partial derivative of ``p`` with respect to a joint variable or a symbol."""
+        terms: dict[Monomial, Coefficient] = {}
+        for angle, slope in self._slopes.get(variable, {}).items():
+            self._add_angle_derivative(terms, p, self.pairs[angle], slope)
+        derivative = Trig(self, {m: c for m, c in terms.items() if c})
+        for index, inner in self._depending_on(variable):
+            outer = {}
+            for m, c in p.terms.items():
+                e = m >> _BITS * index & _FIELD
+                if e:
+                    outer[m - self.unit(index)] = c * e
+            derivative = derivative + Trig(self, outer) * inner
+        return derivative
+
+    def _depending_on(self, variable: Any) -> list[tuple[int, Trig | int]]:
+        """Return (index, derivative) of the generators but angles that hold ``variable``."""
+        found: list[tuple[int, Trig | int]] = []
+        angles = {i for pair in self.pairs.values() for i in pair}
+        for index, meaning in enumerate(list(self.generators)):
+            if meaning == variable:
+                found.append((index, 1))
+            elif index not in angles and meaning.has(variable) and not meaning.is_Derivative:
+                found.append((index, self.convert(sp.diff(meaning, variable))))
+        return found
+
+    def _add_angle_derivative(
+        self,
+        terms: dict[Monomial, Coefficient],
+        p: Trig,
+        pair: tuple[int, int],
+        slope: int,
+    ) -> None:
+        """Add slope * dp/dangle: s -> c, c -> -s by the product rule, reduced as it goes."""
+        sine, cosine = (_BITS * index for index in pair)
+        S, C = 1 << sine, 1 << cosine
+        both = (_FIELD << sine) | (_FIELD << cosine)
+        for m, c in p.terms.items():
+            if not m & both:
+                continue
+            k = m >> cosine & _FIELD
+            c = c * slope
+            if m & S:  # d(s c^k) = (k + 1) c^(k+1) - k c^(k-1)
+                _accumulate(terms, m - S + C, c * (k + 1))
+                if k:
+                    _accumulate(terms, m - S - C, -c * k)
+            else:  # d(c^k) = -k s c^(k-1)
+                _accumulate(terms, m + S - C, -c * k)
+
+    def coefficients(self, p: Trig, variables: Iterable[Any]) -> dict[Monomial, Trig]:
+        """Write ``p`` as a sum of monomials in ``variables`` times polynomials in the rest."""
+        mask = self.mask(variables)
+        parts: dict[Monomial, dict[Monomial, Coefficient]] = {}
+        for m, c in p.terms.items():
+            parts.setdefault(m & mask, {})[m & ~mask] = c
+        return {key: Trig(self, terms) for key, terms in parts.items()}
+
+    def mask(self, meanings: Iterable[Any]) -> int:
+        """Return the bits of the monomials that belong to the generators for ``meanings``."""
+        mask = 0
+        for meaning in meanings:
+            index = self._index.get(meaning)
+            if index is not None:
+                mask |= _FIELD << _BITS * index
+        return mask
+
+    @staticmethod
+    def unit(index: int) -> Monomial:
+        """Return the monomial that is one generator."""
+        return 1 << _BITS * index
+
+    @staticmethod
+    def field(unit: Monomial) -> int:
+        """Return the bits that hold the exponent of the generator ``unit``."""
+        return unit * _FIELD
+
+    @staticmethod
+    def common_factor(a: Monomial, b: Monomial) -> Monomial:
+        """Return the greatest monomial that divides both."""
+        size = (min(a, b).bit_length() + _BITS - 1) // _BITS
+        mask = (1 << _BITS * size) - 1
+        both = ((x & mask).to_bytes(size, "little") for x in (a, b))
+        return int.from_bytes(bytes(map(min, *both)), "little")
+
+    # -- to SymPy and to numbers ------------------------------------------------------------------
+
+    def exponents(self, m: Monomial) -> list[tuple[int, int]]:
+        """Return the (generator index, exponent) pairs of a monomial."""
+        packed = m.to_bytes(len(self.generators), "little")
+        return [(index, e) for index, e in enumerate(packed) if e]
+
+    def expanded(self, p: Trig) -> Any:
+        """Return ``p`` as a SymPy sum of products, term by term as it is stored."""
+        return sp.Add(
+            *(
+                sp.Mul(_rational(c), *(self.generators[i] ** e for i, e in self.exponents(m)))
+                for m, c in p.terms.items()
+            )
+        )
+
+    def evaluate(self, p: Trig, values: Mapping[Any, Any]) -> Any:
+        """Return the numeric value of ``p``, an array of the shape of the values.
+
+        ``values`` gives numbers, or arrays of one common shape, for the joint variables, velocities
+        and symbols that occur.
+        """
+        import numpy as np
+
+        count = len(self.generators)
+        packed = b"".join(m.to_bytes(count, "little") for m in p.terms)
+        exponents = np.frombuffer(packed, dtype=np.uint8).reshape(-1, count)
+        total = np.array([float(c) for c in p.terms.values()])
+        shape = np.broadcast_shapes(*(np.shape(v) for v in values.values()))
+        total = total.reshape(-1, *(1,) * len(shape))
+        for index in np.flatnonzero(exponents.any(axis=0)):
+            value = np.broadcast_to(_numeric(self.generators[index], values), shape)
+            powers = np.stack([value**e for e in range(exponents[:, index].max() + 1)])
+            total = total * powers[exponents[:, index]]
+        return np.broadcast_to(total.sum(axis=0), shape)
+
+
+def _accumulate(terms: dict[Monomial, Coefficient], m: Monomial, c: Coefficient) -> None:
+    if c:
+        terms[m] = terms.get(m, 0) + c
+
+
+def _as_integer(x: Fraction) -> Coefficient:
+    return x.numerator if x.denominator == 1 else x
+
+
+def _rational(c: Coefficient) -> Any:
+    return sp.Rational(c.numerator, c.denominator)
+
+
+def _numeric(meaning: Any, values: Mapping[Any, Any]) -> Any:
+    if meaning in values:
+        return values[meaning]
+    arguments = sorted(meaning.free_symbols | meaning.atoms(sp.Function), key=str)
+    known = [a for a in arguments if a in values]
+    return sp.lambdify(known, meaning, "numpy")(*(values[a] for a in known))
