@@ -1,1 +1,414 @@
-"""Loads kernels and checks arrays."""
+# cython: language_level=3, embedsignature=False
+"""Loads the shared libraries of kernels and calls their functions.
+
+A call with arrays that the C function can take as they are goes straight to it; any other call goes
+to a Python function that checks, converts and broadcasts (``moro_codegen.arrays``), which reaches
+the library's batch function through a NumPy generalized universal function. Compiled once, with the
+package; nothing here knows of a particular kernel.
+"""
+
+cimport numpy as np
+from cpython.object cimport PyObject
+from cpython.ref cimport Py_INCREF
+
+import os
+
+import numpy
+
+np.import_array()
+np.import_ufunc()
+
+cdef extern from "dlfcn.h" nogil:
+    void *dlopen(const char *path, int flags)
+    void *dlsym(void *library, const char *symbol)
+    int dlclose(void *library)
+    char *dlerror()
+    int RTLD_NOW, RTLD_LOCAL
+
+cdef extern from "fenv.h" nogil:
+    int feclearexcept(int exceptions)
+    int FE_ALL_EXCEPT
+
+cdef extern from "Python.h":
+    ctypedef void *PyCFunction
+    ctypedef struct PyMethodDef:
+        const char *ml_name
+        PyCFunction ml_meth
+        int ml_flags
+        const char *ml_doc
+    int METH_FASTCALL, METH_KEYWORDS
+    object PyCFunction_New(PyMethodDef *, object)
+    object PyObject_Vectorcall(object, PyObject **, size_t, PyObject *)
+    Py_ssize_t PyTuple_GET_SIZE(PyObject *)
+    PyObject *PyTuple_GET_ITEM(PyObject *, Py_ssize_t)
+    int PyTuple_CheckExact(PyObject *)
+    int PyUnicode_CompareWithASCIIString(PyObject *, const char *)
+    PyObject *Py_None
+
+cdef extern from "numpy/arrayobject.h":
+    ctypedef struct PyArrayObject
+    int PyArray_CheckExact(PyObject *)
+    int PyArray_TYPE(PyArrayObject *)
+    int PyArray_NDIM(PyArrayObject *)
+    int PyArray_ISCARRAY(PyArrayObject *)
+    int PyArray_ISCARRAY_RO(PyArrayObject *)
+    np.npy_intp *PyArray_DIMS(PyArrayObject *)
+    void *PyArray_DATA(PyArrayObject *)
+    object PyArray_EMPTY(int, np.npy_intp *, int, int)
+
+cdef extern from "numpy/ufuncobject.h":
+    ctypedef struct PyUFuncObject:
+        PyObject *obj
+
+cdef extern from *:
+    """
+    typedef void (*moro_single)(void);
+    typedef void (*moro_loop)(char **, const npy_intp *, const npy_intp *, void *);
+
+    /* Calls a C function whose n arguments are pointers to double. */
+    static void moro_apply(moro_single function, int n, double **p)
+    {
+    #define T2 double *, double *
+    #define T4 T2, T2
+    #define T8 T4, T4
+    #define A2(i) p[i], p[i + 1]
+    #define A4(i) A2(i), A2(i + 2)
+    #define A8(i) A4(i), A4(i + 4)
+    #define CALL(types, arguments) ((void (*)(types))function)(arguments); break
+        switch (n) {
+    #define LIST(...) __VA_ARGS__
+        case 1: CALL(double *, p[0]);
+        case 2: CALL(LIST(T2), LIST(A2(0)));
+        case 3: CALL(LIST(T2, double *), LIST(A2(0), p[2]));
+        case 4: CALL(LIST(T4), LIST(A4(0)));
+        case 5: CALL(LIST(T4, double *), LIST(A4(0), p[4]));
+        case 6: CALL(LIST(T4, T2), LIST(A4(0), A2(4)));
+        case 7: CALL(LIST(T4, T2, double *), LIST(A4(0), A2(4), p[6]));
+        case 8: CALL(LIST(T8), LIST(A8(0)));
+        case 9: CALL(LIST(T8, double *), LIST(A8(0), p[8]));
+        case 10: CALL(LIST(T8, T2), LIST(A8(0), A2(8)));
+        }
+    }
+    """
+    ctypedef void (*Single "moro_single")() noexcept nogil
+    ctypedef void (*Loop "moro_loop")(
+        char **, const np.npy_intp *, const np.npy_intp *, void *) noexcept nogil
+    void moro_apply(Single, int, double **) noexcept nogil
+
+cdef enum:
+    STRAIGHT = 10  # pointers that moro_apply can pass
+    OPERANDS = 32  # arguments of a gufunc
+    DIMENSIONS = 4
+
+
+cdef class Library:
+    """A shared library, open for as long as this object lives."""
+
+    cdef void *handle
+    cdef readonly str path
+
+    def __cinit__(self, path):
+        self.path = os.fspath(path)
+        self.handle = dlopen(os.fsencode(_spelled_by_inode(self.path)), RTLD_NOW | RTLD_LOCAL)
+        if self.handle is NULL:
+            raise OSError(f"cannot load {self.path}: {dlerror().decode(errors='replace')}")
+
+    def __dealloc__(self):
+        if self.handle is not NULL:
+            dlclose(self.handle)
+
+    def __repr__(self):
+        return f"Library({self.path!r})"
+
+    cdef void *symbol(self, str name) except NULL:
+        cdef void *address = dlsym(self.handle, name.encode())
+        if address is NULL:
+            raise OSError(f"{self.path} does not export {name}")
+        return address
+
+
+def _spelled_by_inode(path):
+    """Return the path, spelled differently for every file that was ever there.
+
+    dlopen knows a library by the spelling of its path, and would return the one it loaded before
+    the file was replaced. The inode's digits, as "./" or "/", make the spelling the file's own.
+    """
+    folder, name = os.path.split(os.path.abspath(path))
+    digits = bin(os.stat(path).st_ino)[2:]
+    return folder + "/" + "".join("./" if digit == "1" else "/" for digit in digits) + name
+
+
+cdef class _Batch:
+    """What a gufunc points to; it keeps addresses only, and this object."""
+
+    cdef Library library
+    cdef bytes name
+    cdef np.PyUFuncGenericFunction function
+    cdef void *loop
+    cdef char types[OPERANDS]
+
+
+cdef void _run(
+    char **args, const np.npy_intp *sizes, const np.npy_intp *strides, void *loop
+) noexcept nogil:
+    """Run a library's loop. Like a single call, it raises no floating-point warning."""
+    (<Loop>loop)(args, sizes, strides, NULL)
+    feclearexcept(FE_ALL_EXCEPT)
+
+
+def gufunc(Library library not None, str symbol, str name, str signature, int nin, int nout):
+    """Return a NumPy generalized universal function whose loop is a symbol of the library."""
+    if nin + nout > OPERANDS:
+        raise ValueError(f"{name} has {nin + nout} arguments, at most {OPERANDS} are possible")
+    cdef _Batch batch = _Batch.__new__(_Batch)
+    batch.library = library
+    batch.name = name.encode()
+    batch.function = <np.PyUFuncGenericFunction>_run
+    batch.loop = library.symbol(symbol)
+    for i in range(nin + nout):
+        batch.types[i] = np.NPY_DOUBLE
+    ufunc = np.PyUFunc_FromFuncAndDataAndSignature(
+        &batch.function, &batch.loop, batch.types, 1, nin, nout, np.PyUFunc_None, batch.name, b"",
+        0, signature.encode(),
+    )
+    Py_INCREF(batch)
+    (<PyUFuncObject *>ufunc).obj = <PyObject *>batch
+    return ufunc
+
+
+cdef struct Shape:
+    int ndim
+    np.npy_intp sizes[DIMENSIONS]
+    Py_ssize_t bytes
+
+
+cdef class Function:
+    """A function of a kernel's library: ``call(*inputs, parameters=None, out=None)``.
+
+    Aligned, contiguous float64 arrays of just the right shapes go straight to C; float64 arrays of
+    many samples, to ``gufunc``. All other calls go to ``general``, a Python function with the same
+    arguments.
+    """
+
+    cdef readonly Library library
+    cdef readonly str name
+    cdef readonly object gufunc, general
+    cdef object origin, defaults
+    cdef bytes c_name, c_doc
+    cdef PyMethodDef definition
+    cdef Single single
+    cdef int n_inputs, n_arguments
+    cdef bint straight, parametric
+    cdef Shape shapes[STRAIGHT]
+
+    def __init__(self, Library library not None, str symbol, gufunc, str name, str doc, inputs,
+                 outputs, parameters, general, origin):
+        """Prepare the calls of a symbol of the library.
+
+        ``inputs`` and ``outputs`` are shapes; ``parameters`` is None, or the number of run-time
+        parameters and their defaults (an array, or None if one lacks a default). ``doc`` begins
+        with the signature. ``origin``, a function and its arguments, gives this object anew when
+        it is unpickled.
+        """
+        self.library, self.gufunc, self.name = library, gufunc, name
+        self.general, self.origin = general, origin
+        self.single = <Single>library.symbol(symbol)
+        shapes = [*inputs, *outputs]
+        self.n_inputs = len(inputs)
+        self.parametric = parameters is not None
+        if self.parametric:
+            count, defaults = parameters
+            shapes.insert(self.n_inputs, (count,))
+            self.n_inputs += 1
+            if defaults is not None:
+                self.defaults = numpy.array(defaults, dtype=float).reshape(count)
+        self.n_arguments = len(shapes)
+        self.straight = len(shapes) <= STRAIGHT and max(map(len, shapes)) <= DIMENSIONS
+        if self.straight:
+            for i, shape in enumerate(shapes):
+                self.shapes[i].ndim = len(shape)
+                self.shapes[i].bytes = sizeof(double)
+                for axis, size in enumerate(shape):
+                    self.shapes[i].sizes[axis] = size
+                    self.shapes[i].bytes *= size
+        self.c_name, self.c_doc = name.encode(), doc.encode()
+        self.definition.ml_name = self.c_name
+        self.definition.ml_meth = <PyCFunction>_call
+        self.definition.ml_flags = METH_FASTCALL | METH_KEYWORDS
+        self.definition.ml_doc = self.c_doc
+
+    @property
+    def call(self):
+        """The function, as users call it."""
+        return PyCFunction_New(&self.definition, self)
+
+    def __getattr__(self, name):
+        # a bound function is pickled as the attribute of its object
+        if name == self.name:
+            return self.call
+        raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
+
+    def __reduce__(self):
+        return self.origin
+
+    def __repr__(self):
+        return f"Function({self.name!r} of {self.library.path!r})"
+
+
+cdef inline bint _has_shape(PyObject *array, Shape *shape) noexcept:
+    """Tell whether this is an array of doubles of just this shape, in C's memory layout."""
+    cdef PyArrayObject *a = <PyArrayObject *>array
+    cdef int axis
+    if not PyArray_CheckExact(array) or PyArray_TYPE(a) != np.NPY_DOUBLE:
+        return False
+    if not PyArray_ISCARRAY_RO(a) or PyArray_NDIM(a) != shape.ndim:
+        return False
+    for axis in range(shape.ndim):
+        if PyArray_DIMS(a)[axis] != shape.sizes[axis]:
+            return False
+    return True
+
+
+cdef object _call(object self, PyObject **args, Py_ssize_t nargs, PyObject *keywords):
+    """Call C if every argument fits it as it is, else the general function."""
+    cdef Function function = <Function>self
+    cdef PyObject *parameters = Py_None
+    cdef PyObject *out = Py_None
+    cdef PyObject *keyword
+    cdef double *data[STRAIGHT]
+    cdef Py_ssize_t i
+    if keywords is not NULL:
+        for i in range(PyTuple_GET_SIZE(keywords)):
+            keyword = PyTuple_GET_ITEM(keywords, i)
+            if PyUnicode_CompareWithASCIIString(keyword, "out") == 0:
+                out = args[nargs + i]
+            elif PyUnicode_CompareWithASCIIString(keyword, "parameters") == 0:
+                parameters = args[nargs + i]
+            else:
+                return PyObject_Vectorcall(function.general, args, nargs, keywords)
+    if function.straight and _read(function, args, nargs, parameters, data):
+        if out == Py_None:
+            return _new_results(function, data)
+        if _write_to(function, out, data):
+            moro_apply(function.single, function.n_arguments, data)
+            return <object>out
+    if function.straight and out == Py_None and _broadcasts(function, args, nargs, parameters):
+        if not function.parametric:
+            return PyObject_Vectorcall(function.gufunc, args, nargs, NULL)
+        return function.gufunc(
+            *[<object>args[i] for i in range(nargs)],
+            function.defaults if parameters == Py_None else <object>parameters,
+        )
+    return PyObject_Vectorcall(function.general, args, nargs, keywords)
+
+
+cdef bint _read(
+    Function function, PyObject **args, Py_ssize_t nargs, PyObject *parameters, double **data
+) noexcept:
+    """Put the addresses of the inputs into ``data``, if C can read them."""
+    cdef Py_ssize_t i, n = function.n_inputs - function.parametric
+    if nargs != n:
+        return False
+    for i in range(n):
+        if not _has_shape(args[i], &function.shapes[i]):
+            return False
+        data[i] = <double *>PyArray_DATA(<PyArrayObject *>args[i])
+    if not function.parametric:
+        return parameters == Py_None
+    if parameters == Py_None:
+        parameters = <PyObject *>function.defaults
+    if not _has_shape(parameters, &function.shapes[n]):
+        return False
+    data[n] = <double *>PyArray_DATA(<PyArrayObject *>parameters)
+    return True
+
+
+cdef bint _broadcasts(
+    Function function, PyObject **args, Py_ssize_t nargs, PyObject *parameters
+) noexcept:
+    """Tell whether the inputs are arrays of doubles that a gufunc takes without complaint.
+
+    The axes in front of those of one sample must be the same in all inputs, or missing.
+    """
+    cdef Py_ssize_t i, n = function.n_inputs - function.parametric
+    cdef np.npy_intp *samples = NULL
+    cdef int axes = 0, axis, leading
+    cdef PyObject *array
+    if nargs != n or (parameters != Py_None and not function.parametric):
+        return False
+    for i in range(function.n_inputs):
+        if i < n:
+            array = args[i]
+        else:
+            array = <PyObject *>function.defaults if parameters == Py_None else parameters
+        leading = _samples_axes(array, &function.shapes[i])
+        if leading < 0 or (leading > 0 and samples is not NULL and leading != axes):
+            return False
+        if leading > 0 and samples is NULL:
+            samples, axes = PyArray_DIMS(<PyArrayObject *>array), leading
+        for axis in range(leading):
+            if PyArray_DIMS(<PyArrayObject *>array)[axis] != samples[axis]:
+                return False
+    return True
+
+
+cdef inline int _samples_axes(PyObject *array, Shape *shape) noexcept:
+    """Return how many axes of an array of doubles come before those of one sample, else -1."""
+    cdef PyArrayObject *a = <PyArrayObject *>array
+    cdef int axis, leading
+    if not PyArray_CheckExact(array) or PyArray_TYPE(a) != np.NPY_DOUBLE:
+        return -1
+    leading = PyArray_NDIM(a) - shape.ndim
+    for axis in range(shape.ndim):
+        if leading < 0 or PyArray_DIMS(a)[leading + axis] != shape.sizes[axis]:
+            return -1
+    return leading
+
+
+cdef bint _write_to(Function function, PyObject *out, double **data) noexcept:
+    """Put the addresses of the results into ``data``, if C can write there."""
+    cdef Py_ssize_t i, n = function.n_arguments - function.n_inputs
+    if n == 1:
+        return _write_to_one(function, function.n_inputs, out, data)
+    if not PyTuple_CheckExact(out) or PyTuple_GET_SIZE(out) != n:
+        return False
+    for i in range(n):
+        if not _write_to_one(function, function.n_inputs + i, PyTuple_GET_ITEM(out, i), data):
+            return False
+    return True
+
+
+cdef inline bint _write_to_one(
+    Function function, Py_ssize_t k, PyObject *out, double **data
+) noexcept:
+    """The same for the k-th argument: no byte of it may belong to an argument before it."""
+    cdef Py_ssize_t i
+    cdef char *start
+    if not _has_shape(out, &function.shapes[k]) or not PyArray_ISCARRAY(<PyArrayObject *>out):
+        return False
+    data[k] = <double *>PyArray_DATA(<PyArrayObject *>out)
+    start = <char *>data[k]
+    for i in range(k):
+        if (start < <char *>data[i] + function.shapes[i].bytes
+                and <char *>data[i] < start + function.shapes[k].bytes):
+            return False
+    return True
+
+
+cdef object _new_results(Function function, double **data):
+    """Call C with new arrays for the results: an array, or a tuple of them."""
+    cdef Py_ssize_t i, n = function.n_arguments - function.n_inputs
+    cdef Shape *shape = &function.shapes[function.n_inputs]
+    cdef list results
+    if n == 1:
+        result = PyArray_EMPTY(shape.ndim, shape.sizes, np.NPY_DOUBLE, 0)
+        data[function.n_inputs] = <double *>PyArray_DATA(<PyArrayObject *><PyObject *>result)
+        moro_apply(function.single, function.n_arguments, data)
+        return result if shape.ndim else result[()]
+    results = []
+    for i in range(n):
+        result = PyArray_EMPTY(shape[i].ndim, shape[i].sizes, np.NPY_DOUBLE, 0)
+        data[function.n_inputs + i] = <double *>PyArray_DATA(<PyArrayObject *><PyObject *>result)
+        results.append(result)
+    moro_apply(function.single, function.n_arguments, data)
+    return tuple([result if result.ndim else result[()] for result in results])

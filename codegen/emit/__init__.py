@@ -1,1 +1,1 @@
-"""The expression graph as text: C, Cython, NumPy."""
+"""Programs as text: C, NumPy."""

@@ -1,0 +1,357 @@
+"""A program as C99: one header, one source, nothing but <math.h>.
+
+Every routine is written twice from the same statements, over ``double`` for one sample and over
+vectors of the compiler for several samples side by side, so that both round alike.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from moro_codegen.emit.describe import (
+    all_inputs,
+    argument_lines,
+    conventions,
+    core_shapes,
+    operations,
+    shape,
+    size,
+    version,
+    wrapped,
+)
+from moro_codegen.emit.render import render
+from moro_codegen.emit.statements import Assign, Call, Load, Sines, Statement, body
+
+if TYPE_CHECKING:
+    from moro_codegen.functions import Argument
+    from moro_codegen.generate import Program, Routine
+
+LINE = 100
+
+#: what C, <math.h> and our own templates call something else
+RESERVED = frozenset(
+    """
+    auto break case char const continue default do double else enum extern float for goto if inline
+    int long register restrict return short signed sizeof static struct switch typedef union
+    unsigned void volatile while asm typeof
+    acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs
+    fdim floor fma fmax fmin fmod frexp hypot ilogb j0 j1 jn ldexp lgamma log log10 log1p log2 logb
+    modf nan pow remainder rint round scalbn signgam sin sinh sqrt tan tanh tgamma trunc y0 y1 yn
+    gamma drem scalb significand
+    lanes load store load_any store_any sign sign_lanes sines sines_lanes sines_pack sines_of_large
+    pack2 pack4 pack8 bits2 bits4 bits8 memory2 memory4 memory8 lane_memory x y l parameters
+    """.split()  # noqa: SIM905
+)
+
+#: sin r = r + r z s(z), cos r = 1 - z/2 + zz c(z) for |r| <= pi/4 (fdlibm's minimax polynomials)
+SINE = (
+    -1.66666666666666324348e-01, 8.33333333332248946124e-03, -1.98412698298579493134e-04,
+    2.75573137070700676789e-06, -2.50507602534068634195e-08, 1.58969099521155010221e-10,
+)  # fmt: skip
+COSINE = (
+    4.16666666666666019037e-02, -1.38888888888741095749e-03, 2.48015872894767294178e-05,
+    -2.75573143513906633035e-07, 2.08757232129817482790e-09, -1.13596475577881948265e-11,
+)  # fmt: skip
+#: pi/2 in parts of 37, 37 and 53 bits
+HALF_PI = (1.5707963267923333, 2.5633441515839558e-12, 1.0562999066987428e-23)
+#: adding 1.5 * 2^52 rounds to an integer and leaves it in the lowest bits
+ROUNDER = 1.5 * 2.0**52
+
+
+def emit(program: Program) -> dict[str, str]:
+    """Return the texts of ``<name>.c`` and ``<name>.h``, by file name."""
+    header = f"{program.name}.h"
+    routines = [_Emission(program, routine).holes() for routine in program.routines]
+    common = {"version": version(), "header": header, "routines": routines}
+    return {
+        f"{program.name}.c": render(
+            "kernel.c.jinja",
+            title=f"{program.name}: dynamics of a robot arm with {program.dof} joints",
+            sizes=(2, 4, 8),
+            two_over_pi=repr(2 / math.pi),
+            rounder=repr(ROUNDER),
+            half_pi=HALF_PI,
+            sine=SINE,
+            cosine=COSINE,
+            **common,
+        ),
+        header: render(
+            "kernel.h.jinja",
+            title=f"{program.name}: dynamics of a robot arm with {program.dof} joints",
+            notes=conventions(program),
+            guard=f"{program.name.upper()}_H",
+            **common,
+        ),
+    }
+
+
+@dataclass(frozen=True)
+class _Emission:
+    """What the templates say of one routine."""
+
+    program: Program
+    routine: Routine
+
+    def holes(self) -> dict[str, object]:
+        """Return the texts that the templates ask for."""
+        inputs, outputs = self.inputs, self.routine.outputs
+        return {
+            "name": self.name,
+            "lanes_name": self.lanes_name,
+            "operations": operations(self.routine),
+            "notes": self.notes(),
+            "batch_notes": self.batch_notes(),
+            "signature": core_shapes(inputs, outputs),
+            "single": self.single(),
+            "batch": self.batch(),
+            "loop": self.loop(),
+            "scalar_body": self.scalar_body(),
+            "lanes_body": self.lanes_body(),
+            "loads_size": sum(map(size, inputs)),
+            "stores_size": sum(map(size, outputs)),
+            "loads": self.transfers("load(x", inputs),
+            "stores": self.transfers("store(y", outputs),
+            "plain_loads": [f"{local} = {place};" for local, place in self.places("x", inputs)],
+            "plain_stores": [f"{place} = {local};" for local, place in self.places("y", outputs)],
+            "plain_call": self.plain_call(),
+            "loop_body": self.loop_body(),
+        }
+
+    @property
+    def name(self) -> str:
+        return f"{self.program.name}_{self.routine.function.name}"
+
+    @property
+    def lanes_name(self) -> str:
+        return f"{self.routine.function.name}_lanes"
+
+    @property
+    def inputs(self) -> tuple[Argument, ...]:
+        return all_inputs(self.program, self.routine)
+
+    # -- prototypes ------------------------------------------------------------------------------
+
+    def single(self) -> str:
+        """``void puma560_tau(const double q[6], ..., double tau[6])``."""
+        parameters = [f"const double {declarator(a)}" for a in self.inputs]
+        parameters += [f"double {declarator(a)}" for a in self.routine.outputs]
+        return prototype(self.name, parameters)
+
+    def batch(self) -> str:
+        """``void puma560_tau_batch(size_t count, const double *q, ptrdiff_t q_stride, ...)``."""
+        parameters = ["size_t count"]
+        for arguments, type_ in ((self.inputs, "const double"), (self.routine.outputs, "double")):
+            for a in arguments:
+                strides = [f"ptrdiff_t {stride}" for stride in stride_names(a)]
+                parameters.append(", ".join([f"{type_} *{a.name}", *strides]))
+        return prototype(f"{self.name}_batch", parameters)
+
+    def loop(self) -> str:
+        """``void puma560_tau_loop(char **args, ...)``: NumPy's PyUFuncGenericFunction."""
+        return prototype(
+            f"{self.name}_loop",
+            [
+                "char **args",
+                "const ptrdiff_t *dimensions",
+                "const ptrdiff_t *strides",
+                "void *data",
+            ],
+        )
+
+    # -- comments of the header ------------------------------------------------------------------
+
+    def notes(self) -> list[str]:
+        """Say what the function computes and what its arguments are."""
+        return [
+            *wrapped(self.routine.function.summary),
+            "",
+            *argument_lines([*self.inputs, *self.routine.outputs]),
+            "",
+            *wrapped(
+                "All inputs are read before any result is written, so a result may share memory "
+                f"with an input. Takes {operations(self.routine)}."
+            ),
+        ]
+
+    def batch_notes(self) -> list[str]:
+        """Say what strides are, and what may overlap."""
+        names = [name for a in (*self.inputs, *self.routine.outputs) for name in stride_names(a)]
+        steps = [name for name in names if not name.endswith("_stride")]
+        return wrapped(
+            "Strides count doubles and may be zero or negative: *_stride leads from sample to "
+            f"sample, {', '.join(steps)} from component to component. An array of count rows, "
+            "each the components of one sample, has the row's length as stride and 1 as step; an "
+            "input with stride 0 is the same for all samples. Results must not overlap inputs."
+        )
+
+    # -- bodies ----------------------------------------------------------------------------------
+
+    def scalar_body(self) -> list[str]:
+        """Return the statements over double."""
+        text = body(self.program, self.routine, self.reserved())
+        lines = self.unused(text.statements)
+        for statement in text.statements:
+            lines += scalar_lines(statement, self.inputs)
+        targets = [
+            f"{a.name}[{k}]" if a.shape else f"*{a.name}"
+            for a in self.routine.outputs
+            for k in range(size(a))
+        ]
+        return lines + [f"{to} = {x};" for to, x in zip(targets, text.results, strict=True)]
+
+    def lanes_body(self) -> list[str]:
+        """Return the statements over vectors: x holds all inputs, y all results."""
+        text = body(self.program, self.routine, self.reserved())
+        first = dict(zip((a.name for a in self.inputs), offsets(self.inputs), strict=True))
+        lines = [] if any(isinstance(s, Load) for s in text.statements) else ["(void)x;"]
+        for statement in text.statements:
+            lines += lanes_lines(statement, first)
+        constant = [node.op == "const" for node in self.routine.results]
+        return lines + [
+            f"y[{k}] = {f'(lanes){{0.0}} + {x}' if constant[k] else x};"
+            for k, x in enumerate(text.results)
+        ]
+
+    def reserved(self) -> set[str]:
+        return {*RESERVED, *(a.name for a in self.inputs), *(a.name for a in self.routine.outputs)}
+
+    def unused(self, statements: Iterable[Statement]) -> list[str]:
+        """Say of every input that is not read that this is meant."""
+        read = {s.argument for s in statements if isinstance(s, Load)}
+        return [f"(void){a.name};" for a in self.inputs if a.name not in read]
+
+    # -- batches ---------------------------------------------------------------------------------
+
+    def transfers(self, call: str, arguments: Sequence[Argument]) -> list[str]:
+        """Move n samples from sample k on: vectors and scalars at once, matrices row by row."""
+        lines = []
+        for a, offset in zip(arguments, offsets(arguments), strict=True):
+            stride, *axes = stride_names(a)
+            *rows, columns = shape(a) or (1,)
+            step = axes[-1] if axes else "1"
+            for row, places in enumerate(itertools.product(*map(range, rows))):
+                at = "".join(f" + {i} * {axis}" for i, axis in zip(places, axes, strict=False) if i)
+                lines.append(
+                    f"{call} + {offset + row * columns}, {columns}, "
+                    f"{a.name} + k * {stride}{at}, {stride}, {step}, n);"
+                )
+        return lines
+
+    def places(self, local: str, arguments: Sequence[Argument]) -> Iterator[tuple[str, str]]:
+        """Pair every component's local copy with its place in sample k."""
+        for a, offset in zip(arguments, offsets(arguments), strict=True):
+            stride, *axes = stride_names(a)
+            for j, indices in enumerate(itertools.product(*map(range, shape(a)))):
+                at = "".join(f" + {i} * {axis}" for i, axis in zip(indices, axes, strict=True) if i)
+                yield f"{local}[{offset + j}]", f"{a.name}[k * {stride}{at}]"
+
+    def plain_call(self) -> str:
+        arguments = [f"x + {offset}" for offset in offsets(self.inputs)]
+        arguments += [f"y + {offset}" for offset in offsets(self.routine.outputs)]
+        return f"{self.name}({', '.join(arguments)})"
+
+    def loop_body(self) -> list[str]:
+        """Return the call of the batch function with NumPy's arguments.
+
+        NumPy lists the strides from sample to sample of all arguments, then those of the axes.
+        """
+        arguments = [*self.inputs, *self.routine.outputs]
+        axis = itertools.count(len(arguments))
+        calls = ["(size_t)dimensions[0]"]
+        for k, a in enumerate(arguments):
+            type_ = "const double" if k < len(self.inputs) else "double"
+            strides = [f"strides[{i}] / size" for i in (k, *itertools.islice(axis, len(a.shape)))]
+            calls.append(", ".join([f"({type_} *)(void *)args[{k}]", *strides]))
+        return [
+            "const ptrdiff_t size = (ptrdiff_t)sizeof(double);",
+            "(void)data;",
+            f"{self.name}_batch(",
+            *(f"    {call}," for call in calls[:-1]),
+            f"    {calls[-1]});",
+        ]
+
+
+def scalar_lines(statement: Statement, inputs: Iterable[Argument]) -> list[str]:
+    """Return a statement over double."""
+    match statement:
+        case Load(name, argument, index):
+            scalar = any(a.name == argument and not a.shape for a in inputs)
+            return [
+                f"const double {name} = {f'*{argument}' if scalar else f'{argument}[{index}]'};"
+            ]
+        case Assign(name, expression):
+            return [f"const double {name} = {expression};"]
+        case Call(name, function, arguments):
+            return [f"const double {name} = {function}({', '.join(arguments)});"]
+        case Sines(angles, pairs, (angle, sine, cosine)):
+            n, room = len(angles), len(angles) + len(angles) % 2 + 2 * (len(angles) % 4 == 3)
+            return [
+                f"const double {angle}[{n}] = {{{', '.join(angles)}}};",
+                f"double {sine}[{room}], {cosine}[{room}];",
+                f"sines({n}, {angle}, {sine}, {cosine});",
+                *named_pairs("double", pairs, sine, cosine),
+            ]
+
+
+def lanes_lines(statement: Statement, first: Mapping[str, int]) -> list[str]:
+    """Return a statement over vectors; ``first`` says where in x an argument begins."""
+    match statement:
+        case Load(name, argument, index):
+            return [f"const lanes {name} = x[{first[argument] + index}];"]
+        case Assign(name, expression):
+            return [f"const lanes {name} = {expression};"]
+        case Call(name, "sign", (x,)):
+            return [f"lanes {name};", f"sign_lanes(&{x}, &{name});"]
+        case Call(name, function, arguments):
+            # a constant argument has no lanes
+            values = (a if a[0].isdigit() or a[0] == "-" else f"{a}[l]" for a in arguments)
+            return [
+                f"lanes {name} = {{0.0}};",
+                "for (int l = 0; l < LANES; l++)",
+                f"    {name}[l] = {function}({', '.join(values)});",
+            ]
+        case Sines(angles, pairs, (angle, sine, cosine)):
+            n = len(angles)
+            return [
+                f"const lanes {angle}[{n}] = {{{', '.join(angles)}}};",
+                f"lanes {sine}[{n}], {cosine}[{n}];",
+                f"sines_lanes({n}, {angle}, {sine}, {cosine});",
+                *named_pairs("lanes", pairs, sine, cosine),
+            ]
+
+
+def named_pairs(
+    type_: str, pairs: Iterable[tuple[str, str]], sine: str, cosine: str
+) -> Iterator[str]:
+    """Give the sines and cosines that are used their names."""
+    for k, (s, c) in enumerate(pairs):
+        names = [f"{name} = {array}[{k}]" for name, array in ((s, sine), (c, cosine)) if name]
+        yield f"const {type_} {', '.join(names)};"
+
+
+def declarator(argument: Argument) -> str:
+    """``q[6]``, ``M[36]``; a scalar is a pointer to one."""
+    return f"{argument.name}[{size(argument)}]" if argument.shape else f"*{argument.name}"
+
+
+def stride_names(argument: Argument) -> list[str]:
+    """Return names for the stride between samples and for those along the axes of one sample."""
+    axes = {0: [], 1: ["step"], 2: ["row_step", "column_step"]}[len(argument.shape)]
+    return [f"{argument.name}_{axis}" for axis in ["stride", *axes]]
+
+
+def offsets(arguments: Iterable[Argument]) -> list[int]:
+    """Return where each argument begins if all are laid end to end."""
+    return [0, *itertools.accumulate(map(size, arguments))][:-1]
+
+
+def prototype(name: str, parameters: Sequence[str]) -> str:
+    """Return a prototype, on one line if it fits."""
+    line = f"void {name}({', '.join(parameters)})"
+    if len(line) <= LINE:
+        return line
+    return f"void {name}(\n    " + ",\n    ".join(parameters) + ")"

@@ -1,0 +1,109 @@
+"""What headers, docstrings and manifests say of a program, written once."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterable
+from functools import cache
+from importlib import metadata
+from typing import TYPE_CHECKING
+
+from moro_codegen.functions import Argument
+
+if TYPE_CHECKING:
+    from moro_codegen.generate import Program, Routine
+    from moro_codegen.signature import Signature
+
+_UNITS = {"revolute": "rad, torque in N m", "prismatic": "m, force in N"}
+_COUNTED = {
+    "add": "additions",
+    "sub": "subtractions",
+    "mul": "multiplications",
+    "div": "divisions",
+    "sincos": "sine-cosine pairs",
+    "sign": "signs",
+    "call": "calls of libm",
+}
+
+
+@cache
+def version() -> str:
+    """Return moro's version."""
+    return metadata.version("moro")
+
+
+def all_inputs(program: Program, routine: Routine) -> tuple[Argument, ...]:
+    """Return the routine's inputs, the run-time parameters as the last one if there are any."""
+    if not program.parameters:
+        return routine.inputs
+    shape = (len(program.parameters),)
+    return (*routine.inputs, Argument("parameters", shape, "SI", "run-time parameters, in order"))
+
+
+def size(argument: Argument) -> int:
+    """Return the number of components."""
+    return math.prod(shape(argument))
+
+
+def shape(argument: Argument) -> tuple[int, ...]:
+    """Return the shape, which a routine has in numbers."""
+    return tuple(int(n) for n in argument.shape)
+
+
+def core_shapes(inputs: Iterable[Argument], outputs: Iterable[Argument]) -> str:
+    """Return the shapes as NumPy writes them for its generalized functions: (6),(6),(6)->(6)."""
+
+    def core(arguments: Iterable[Argument]) -> str:
+        return ",".join(f"({','.join(map(str, shape(a)))})" for a in arguments)
+
+    return f"{core(inputs)}->{core(outputs)}"
+
+
+def conventions(program: Program) -> list[str]:
+    """Return what holds for every function: joints, units, parameters."""
+    joints = [
+        f"  joint {i}: {kind} ({_UNITS[kind]})"
+        for i, kind in enumerate(program.joint_kinds, start=1)
+    ]
+    lines = [
+        "SI units, radians. Component k of a joint vector belongs to joint k + 1; matrices are",
+        "row-major.",
+        *joints,
+    ]
+    if program.parameters:
+        lines += ["", "Run-time parameters, in this order:"]
+        lines += [f"  {line}" for line in parameter_lines(program)]
+    return lines
+
+
+def parameter_lines(program: Program) -> list[str]:
+    """Return a line per run-time parameter: index, name, default, meaning."""
+    lines = []
+    for k, parameter in enumerate(program.parameters):
+        default = "no default" if parameter.default is None else f"default {parameter.default!r}"
+        meaning = f": {parameter.description}" if parameter.description else ""
+        lines.append(f"parameters[{k}]  {parameter.name}, {default}{meaning}")
+    return lines
+
+
+def argument_lines(arguments: Iterable[Argument]) -> list[str]:
+    """Return a line per argument: name and shape, unit, meaning with its frame."""
+    arguments = tuple(arguments)
+    names = [a.name + "".join(f"[{n}]" for n in shape(a)) for a in arguments]
+    units = [f"[{a.unit}]" for a in arguments]
+    return [
+        f"{name:<{max(map(len, names))}}  {unit:<{max(map(len, units))}}  {a.description}"
+        for name, unit, a in zip(names, units, arguments, strict=True)
+    ]
+
+
+def operations(routine: Routine | Signature) -> str:
+    """Return the operation counts as a phrase: 104 additions, 77 subtractions, ..."""
+    counts = [f"{n} {_COUNTED.get(op, op)}" for op, n in routine.ops.items() if n]
+    return ", ".join(counts) or "no operations"
+
+
+def wrapped(text: str, width: int = 92) -> list[str]:
+    """Return a paragraph as lines."""
+    return textwrap.wrap(text, width)

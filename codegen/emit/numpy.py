@@ -1,0 +1,98 @@
+"""A program as a Python module that needs NumPy only, vectorised over leading axes."""
+
+from __future__ import annotations
+
+import keyword
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from moro_codegen.emit.describe import (
+    all_inputs,
+    argument_lines,
+    conventions,
+    operations,
+    shape,
+    size,
+    version,
+)
+from moro_codegen.emit.render import render
+from moro_codegen.emit.statements import Assign, Call, Load, Sines, Statement, body
+
+if TYPE_CHECKING:
+    from moro_codegen.generate import Program, Routine
+
+RESERVED = frozenset({*keyword.kwlist, "np", "out", "samples", "len", "parameters"})
+
+#: NumPy's names of the functions of <math.h>, where they differ
+NAMES = {
+    "acos": "arccos", "asin": "arcsin", "atan": "arctan", "atan2": "arctan2", "acosh": "arccosh",
+    "asinh": "arcsinh", "atanh": "arctanh", "pow": "power", "fabs": "abs",
+}  # fmt: skip
+
+
+def emit(program: Program) -> dict[str, str]:
+    """Return the text of ``<name>.py``, by file name."""
+    text = render(
+        "kernel.py.jinja",
+        title=f"{program.name}: dynamics of a robot arm with {program.dof} joints.",
+        version=version(),
+        notes=conventions(program),
+        routines=[_holes(program, routine) for routine in program.routines],
+    )
+    return {f"{program.name}.py": text}
+
+
+def _holes(program: Program, routine: Routine) -> dict[str, object]:
+    """Return what the template says of one routine."""
+    inputs, outputs = all_inputs(program, routine), routine.outputs
+    return {
+        "name": routine.function.name,
+        "parameters": ", ".join(a.name for a in inputs),
+        "summary": routine.function.summary,
+        "arguments": argument_lines([*inputs, *outputs]),
+        "operations": operations(routine),
+        "body": list(_lines(program, routine)),
+    }
+
+
+def _lines(program: Program, routine: Routine) -> Iterator[str]:
+    """Return the lines of a routine's function."""
+    inputs, outputs = all_inputs(program, routine), routine.outputs
+    text = body(program, routine, {*RESERVED, *(a.name for a in (*inputs, *outputs))})
+    for a in inputs:
+        yield f"{a.name} = np.asarray({a.name}, dtype=float)"
+    leading = ", ".join(f"{a.name}.shape[: {a.name}.ndim - {len(a.shape)}]" for a in inputs)
+    yield f"samples = np.broadcast_shapes({leading})"
+    for statement in text.statements:
+        yield from _statement(statement, {a.name: shape(a) for a in inputs})
+    results = iter(text.results)
+    for a in outputs:
+        yield f"{a.name} = np.empty(samples + {shape(a)})"
+        for k in range(size(a)):
+            yield f"{a.name}[{_index(shape(a), k)}] = {next(results)}"
+    yield f"return {', '.join(a.name for a in outputs)}"
+
+
+def _statement(statement: Statement, shapes: Mapping[str, tuple[int, ...]]) -> Iterator[str]:
+    match statement:
+        case Load(name, argument, index):
+            yield f"{name} = {argument}[{_index(shapes[argument], index)}]"
+        case Assign(name, expression):
+            yield f"{name} = {expression}"
+        case Call(name, function, arguments):
+            yield f"{name} = np.{NAMES.get(function, function)}({', '.join(arguments)})"
+        case Sines(angles, pairs, _):
+            for angle, (sine, cosine) in zip(angles, pairs, strict=True):
+                names = {"sin": sine, "cos": cosine}
+                used = {function: name for function, name in names.items() if name}
+                calls = ", ".join(f"np.{function}({angle})" for function in used)
+                yield f"{', '.join(used.values())} = {calls}"
+
+
+def _index(sizes: tuple[int, ...], index: int) -> str:
+    """Return the subscript of a component after the axes of the samples: ``..., 2, 3``."""
+    places = []
+    for n in reversed(sizes):
+        index, place = divmod(index, n)
+        places.append(str(place))
+    return ", ".join(["...", *reversed(places)])

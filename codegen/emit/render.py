@@ -1,0 +1,25 @@
+"""The folder templates/: text with holes. What goes into the holes is decided in Python."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import jinja2
+
+
+def render(template: str, **holes: Any) -> str:
+    """Return a template of ``moro_codegen.templates`` with its holes filled."""
+    return _environment().get_template(template).render(holes)
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    return jinja2.Environment(
+        loader=jinja2.PackageLoader("moro_codegen.templates", ""),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,  # noqa: S701 - C and Python, not HTML
+    )

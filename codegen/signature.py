@@ -1,0 +1,290 @@
+"""What a kernel's function takes and returns: kept in the manifest, said in docstrings, checked.
+
+``Signature.checked`` makes the Python function that takes whatever NumPy makes an array of,
+broadcasts leading axes, and says of everything else what is wrong with it.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from moro_codegen.emit.describe import all_inputs, argument_lines, core_shapes, operations, shape
+from moro_codegen.functions import Argument
+from moro_codegen.generate import Parameter, Program, Routine
+from numpy.typing import NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+#: fills arrays of results: run(inputs, results)
+Run: TypeAlias = Callable[[Sequence[Array], Sequence[Array]], None]
+
+#: more work than this to find out whether two arrays overlap, and we say they do
+OVERLAP_WORK = 10_000
+
+
+@dataclass(frozen=True)
+class Signature:
+    """A function of a kernel: what it computes, from what, with how many operations."""
+
+    name: str
+    summary: str
+    #: run-time parameters, as one array, are the last input if there are any
+    inputs: tuple[Argument, ...]
+    outputs: tuple[Argument, ...]
+    parameters: tuple[Parameter, ...]
+    ops: Mapping[str, int]
+
+    @classmethod
+    def of(cls, program: Program, routine: Routine) -> Signature:
+        """Return the signature of a routine."""
+        return cls(
+            routine.function.name,
+            routine.function.summary,
+            all_inputs(program, routine),
+            routine.outputs,
+            program.parameters,
+            routine.ops,
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the signature in the types of JSON."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Signature:
+        """Return the signature that ``as_json`` wrote."""
+
+        def arguments(items: Sequence[Mapping[str, Any]]) -> tuple[Argument, ...]:
+            return tuple(Argument(**{**item, "shape": tuple(item["shape"])}) for item in items)
+
+        return cls(
+            **{
+                **data,
+                "inputs": arguments(data["inputs"]),
+                "outputs": arguments(data["outputs"]),
+                "parameters": tuple(Parameter(**item) for item in data["parameters"]),
+            }
+        )
+
+    # -- in words --------------------------------------------------------------------------------
+
+    @property
+    def core(self) -> str:
+        """The shapes as NumPy writes them for its generalized functions: (6),(6),(6)->(6)."""
+        return core_shapes(self.inputs, self.outputs)
+
+    @property
+    def given(self) -> tuple[Argument, ...]:
+        """The inputs that a call must name: all but the run-time parameters."""
+        return self.inputs[:-1] if self.parameters else self.inputs
+
+    @property
+    def call(self) -> str:
+        """The call: tau(q, qd, qdd, parameters=None, out=None)."""
+        names = ", ".join(a.name for a in self.given)
+        return f"{self.name}({names}, parameters=None, out=None)"
+
+    @property
+    def doc(self) -> str:
+        """What the function's users read."""
+        returned = ", ".join(a.name for a in self.outputs)
+        lines = [
+            self.summary,
+            "",
+            "Takes arrays of float64, or what NumPy makes them of. Further axes in front are",
+            "samples, and are broadcast against each other.",
+            "",
+            *argument_lines(self.given),
+            "",
+            f"Returns {returned}:",
+            "",
+            *argument_lines(self.outputs),
+            "",
+        ]
+        if self.parameters:
+            lines += [
+                "Run-time parameters, as a dict by name, a sequence in this order, or None for the",
+                "defaults:",
+                "",
+                *(_parameter_line(p) for p in self.parameters),
+                "",
+            ]
+        else:
+            lines += ["The model has no run-time parameters: ``parameters`` is None.", ""]
+        out = "a tuple of arrays" if len(self.outputs) > 1 else "an array"
+        return "\n".join(
+            [
+                *lines,
+                f"``out``: {out} of float64 for the result; it must not overlap an input.",
+                "",
+                f"Takes {operations(self)}.",
+            ]
+        )
+
+    # -- in code ---------------------------------------------------------------------------------
+
+    def checked(self, run: Run) -> Callable[..., Any]:
+        """Return a function that checks its arguments, then lets ``run`` fill the results."""
+        cores = [shape(a) for a in self.outputs]
+
+        def function(*args: Any, **keywords: Any) -> Any:
+            given, parameters, out = self._bind(args, keywords)
+            inputs = [self._array(a, x) for a, x in zip(self.given, given, strict=True)]
+            if self.parameters:
+                inputs.append(self._parameter_array(parameters))
+            elif parameters is not None:
+                raise TypeError(f"{self.name}: the model has no run-time parameters")
+            shapes = [self._samples(inputs) + core for core in cores]
+            if out is None:
+                results = [np.empty(shape) for shape in shapes]
+                run(inputs, results)
+                values = tuple([result if result.ndim else result[()] for result in results])
+                return values if len(values) > 1 else values[0]
+            run(inputs, self._checked_out(out, shapes, inputs))
+            return out
+
+        function.__name__ = function.__qualname__ = self.name
+        function.__doc__ = self.doc
+        return function
+
+    def _bind(self, args: Sequence[Any], keywords: Mapping[str, Any]) -> tuple[Any, Any, Any]:
+        """Return the inputs in order, the parameters and ``out``."""
+        names = [*[a.name for a in self.given], "parameters", "out"]
+        if len(args) > len(names):
+            raise TypeError(f"{self.call} takes {len(names)} arguments, found {len(args)}")
+        bound = dict(zip(names, args, strict=False))
+        for name, value in keywords.items():
+            if name not in names:
+                raise TypeError(f"{self.call} has no argument {name!r}{_nearest(name, names)}")
+            if name in bound:
+                raise TypeError(f"{self.call}: {name} is given twice")
+            bound[name] = value
+        missing = [a.name for a in self.given if a.name not in bound]
+        if missing:
+            raise TypeError(f"{self.call}: {', '.join(missing)} missing")
+        return [bound[a.name] for a in self.given], bound.get("parameters"), bound.get("out")
+
+    def _array(self, argument: Argument, value: Any) -> Array:
+        """Return an input as an array of float64 with the right last axes."""
+        try:
+            array = np.asarray(value)
+        except ValueError as error:
+            raise ValueError(f"{self.name}: {argument.name} is no array: {error}") from None
+        if array.dtype.kind not in "iuf":
+            raise TypeError(
+                f"{self.name}: {argument.name} must hold real numbers, found {array.dtype} "
+                f"({_short(value)})"
+            )
+        core = argument.shape
+        if array.ndim < len(core) or array.shape[array.ndim - len(core) :] != core:
+            raise ValueError(
+                f"{self.name}: {argument.name} ({argument.description}) must have shape "
+                f"{_shape_text(core)}, found {array.shape}"
+            )
+        return np.asarray(array, dtype=np.float64)
+
+    def _parameter_array(self, given: Any) -> Array:
+        """Return the run-time parameters as the last axis of one array."""
+        argument = self.inputs[-1]
+        if given is not None and not isinstance(given, Mapping):
+            return self._array(argument, given)
+        by_name = {str(name): value for name, value in (given or {}).items()}
+        names = [parameter.name for parameter in self.parameters]
+        for name in by_name:
+            if name not in names:
+                raise TypeError(f"{self.name}: no parameter {name!r}{_nearest(name, names)}")
+        values = [by_name.get(p.name, p.default) for p in self.parameters]
+        missing = [name for name, value in zip(names, values, strict=True) if value is None]
+        if missing:
+            hint = ", ".join(f"{name!r}: ..." for name in missing)
+            raise TypeError(
+                f"{self.name}: no value and no default for {', '.join(missing)}: "
+                f"give parameters={{{hint}}}"
+            )
+        columns = [
+            self._array(Argument(name, (), argument.unit, "a run-time parameter"), value)
+            for name, value in zip(names, values, strict=True)
+        ]
+        return np.stack(np.broadcast_arrays(*columns), axis=-1)
+
+    def _samples(self, inputs: Sequence[Array]) -> tuple[int, ...]:
+        """Return the shape of the samples: all axes in front of the components, broadcast."""
+        leading = {
+            array.shape[: array.ndim - len(a.shape)]
+            for a, array in zip(self.inputs, inputs, strict=True)
+        }
+        if len(leading) == 1:
+            return leading.pop()
+        try:
+            return np.broadcast_shapes(*leading)
+        except ValueError:
+            found = ", ".join(
+                f"{a.name} {array.shape}" for a, array in zip(self.inputs, inputs, strict=True)
+            )
+            raise ValueError(
+                f"{self.name}: the axes in front of the components do not match: {found}"
+            ) from None
+
+    def _checked_out(
+        self, out: Any, shapes: Sequence[tuple[int, ...]], inputs: Sequence[Array]
+    ) -> list[Array]:
+        """Return ``out`` as a list of arrays, if results of these shapes can be put there."""
+        if len(shapes) == 1:
+            given = [out]
+        elif isinstance(out, tuple) and len(out) == len(shapes):
+            given = list(out)
+        else:
+            raise TypeError(f"{self.name}: out must be a tuple of {len(shapes)} arrays")
+        for k, (expected, result) in enumerate(zip(shapes, given, strict=True)):
+            self._check_result(result, expected)
+            for a, other in [
+                *zip(self.inputs, inputs, strict=True),
+                *zip(self.outputs, given[:k], strict=False),
+            ]:
+                if _overlap(result, other):
+                    raise ValueError(f"{self.name}: out overlaps {a.name} in memory")
+        return given
+
+    def _check_result(self, out: Any, expected: tuple[int, ...]) -> None:
+        if not isinstance(out, np.ndarray):
+            raise TypeError(f"{self.name}: out must be a NumPy array, found {_short(out)}")
+        if out.dtype != np.float64:
+            raise TypeError(f"{self.name}: out must hold float64, found {out.dtype}")
+        if out.shape != expected:
+            raise ValueError(f"{self.name}: out must have shape {expected}, found {out.shape}")
+        if not out.flags.writeable:
+            raise ValueError(f"{self.name}: out is read-only")
+        if 0 in (s for s, n in zip(out.strides, out.shape, strict=True) if n > 1):
+            raise ValueError(f"{self.name}: out has several components in one place of memory")
+
+
+def _overlap(a: Array, b: Array) -> bool:
+    try:
+        return np.shares_memory(a, b, max_work=OVERLAP_WORK)  # type: ignore[arg-type]
+    except np.exceptions.TooHardError:
+        return True
+
+
+def _shape_text(core: Sequence[str | int]) -> str:
+    """Return ``(6,) or (..., 6)``."""
+    if not core:
+        return "() or (...)"
+    return f"{tuple(core)} or (..., {', '.join(map(str, core))})"
+
+
+def _nearest(name: str, names: Sequence[str]) -> str:
+    near = difflib.get_close_matches(name, names, n=1)
+    return f", did you mean {near[0]!r}?" if near else f": there are {', '.join(names)}"
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else f"{text[:37]}..."
+
+
+def _parameter_line(parameter: Parameter) -> str:
+    default = "no default" if parameter.default is None else f"default {parameter.default!r}"
+    return f"{parameter.name}  ({default})  {parameter.description}".rstrip()
