@@ -238,8 +238,9 @@ class _Writer:
             for angle in angles:
                 self.pairs[angle] = self._pair_names(angle)
             pairs = tuple(self.pairs[angle] for angle in angles)
-            angle, sine, cosine = map(self.names.take, ("angle", "sine", "cosine"))
-            self.statements.append(Sines(texts, pairs, (angle, sine, cosine)))
+            take = self.names.take
+            arrays = take("angle"), take("sine"), take("cosine")
+            self.statements.append(Sines(texts, pairs, arrays))
 
     def _write(self, node: Node) -> None:
         if node.op in ("sin", "cos"):
