@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
+from time import monotonic
 from typing import Any, TypeAlias
 
 import sympy as sp
@@ -125,9 +126,11 @@ class TrigRing:
     """The ring of trigonometric polynomials over the rationals, in generators as they turn up.
 
     ``declare_angles`` comes first: it says which sums of joint variables are the basic angles.
+    With a ``time_limit`` [s], arithmetic that goes on for longer raises TimeoutError.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, time_limit: float = float("inf")) -> None:
+        self._deadline = monotonic() + time_limit
         self.zero = Trig(self, {})
         self.one = Trig(self, {0: 1})
         self.half = Fraction(1, 2)
@@ -206,6 +209,8 @@ class TrigRing:
 
     def reduced(self, terms: dict[Monomial, Coefficient]) -> dict[Monomial, Coefficient]:
         """Apply ``s^2 = 1 - c^2`` and ``sqrt(n)^2 = n`` until neither applies; drop zeros."""
+        if monotonic() > self._deadline:
+            raise TimeoutError("the closed form takes longer than the time limit")
         mask = self._reducible
         work = [(m, c) for m, c in terms.items() if m & mask]
         if work:

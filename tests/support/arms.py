@@ -10,7 +10,7 @@ import yaml
 from moro.model import Body, Joint, Model, Placement
 
 NAMES = ("puma560", "stanford_arm", "panda", "ur5", "two_link")
-TESTS = Path(__file__).parent
+TESTS = Path(__file__).parents[1]
 
 
 def reference_states(name):
