@@ -24,7 +24,7 @@ from moro_codegen.emit.describe import (
     wrapped,
 )
 from moro_codegen.emit.render import render
-from moro_codegen.emit.statements import Assign, Call, Load, Sines, Statement, body
+from moro_codegen.emit.statements import Assign, Call, Load, Names, Sines, Statement, body, literal
 
 if TYPE_CHECKING:
     from moro_codegen.functions import Argument
@@ -42,24 +42,34 @@ RESERVED = frozenset(
     fdim floor fma fmax fmin fmod frexp hypot ilogb j0 j1 jn ldexp lgamma log log10 log1p log2 logb
     modf nan pow remainder rint round scalbn signgam sin sinh sqrt tan tanh tgamma trunc y0 y1 yn
     gamma drem scalb significand
+    S1 S2 S3 S4 S5 S6 C1 C2 C3 C4 C5 C6 LANES REDUCIBLE SHUFFLE HELPER RARE TWO_OVER_PI ROUNDER
+    SIGN_BIT ONE_BITS EACH_LANE HALF_PI_1 HALF_PI_2 HALF_PI_3 FROM PAIR
     lanes load store load_any store_any sign sign_lanes sines sines_lanes sines_pack sines_of_large
-    pack2 pack4 pack8 bits2 bits4 bits8 memory2 memory4 memory8 lane_memory x y l parameters
+    pack2 pack4 pack8 bits2 bits4 bits8 memory2 memory4 memory8 lane_memory l parameters count
     """.split()  # noqa: SIM905
 )
 
-#: sin r = r + r z s(z), cos r = 1 - z/2 + zz c(z) for |r| <= pi/4 (fdlibm's minimax polynomials)
-SINE = (
-    -1.66666666666666324348e-01, 8.33333333332248946124e-03, -1.98412698298579493134e-04,
-    2.75573137070700676789e-06, -2.50507602534068634195e-08, 1.58969099521155010221e-10,
-)  # fmt: skip
-COSINE = (
-    4.16666666666666019037e-02, -1.38888888888741095749e-03, 2.48015872894767294178e-05,
-    -2.75573143513906633035e-07, 2.08757232129817482790e-09, -1.13596475577881948265e-11,
-)  # fmt: skip
-#: pi/2 in parts of 37, 37 and 53 bits
-HALF_PI = (1.5707963267923333, 2.5633441515839558e-12, 1.0562999066987428e-23)
-#: adding 1.5 * 2^52 rounds to an integer and leaves it in the lowest bits
-ROUNDER = 1.5 * 2.0**52
+#: for sines and cosines: pi/2 in parts of 37, 37 and 53 bits, a number whose sum with another
+#: rounds that to an integer and holds it in its lowest bits, fdlibm's minimax polynomials
+CONSTANTS = {
+    "TWO_OVER_PI": 2 / math.pi,
+    "ROUNDER": 1.5 * 2.0**52,
+    "HALF_PI_1": 1.5707963267923333,
+    "HALF_PI_2": 2.5633441515839558e-12,
+    "HALF_PI_3": 1.0562999066987428e-23,
+    "S1": -1.66666666666666324348e-01,
+    "S2": 8.33333333332248946124e-03,
+    "S3": -1.98412698298579493134e-04,
+    "S4": 2.75573137070700676789e-06,
+    "S5": -2.50507602534068634195e-08,
+    "S6": 1.58969099521155010221e-10,
+    "C1": 4.16666666666666019037e-02,
+    "C2": -1.38888888888741095749e-03,
+    "C3": 2.48015872894767294178e-05,
+    "C4": -2.75573143513906633035e-07,
+    "C5": 2.08757232129817482790e-09,
+    "C6": -1.13596475577881948265e-11,
+}
 
 
 def emit(program: Program) -> dict[str, str]:
@@ -72,11 +82,7 @@ def emit(program: Program) -> dict[str, str]:
             "kernel.c.jinja",
             title=f"{program.name}: dynamics of a robot arm with {program.dof} joints",
             sizes=(2, 4, 8),
-            two_over_pi=repr(2 / math.pi),
-            rounder=repr(ROUNDER),
-            half_pi=HALF_PI,
-            sine=SINE,
-            cosine=COSINE,
+            constants=[(name, literal(value)) for name, value in CONSTANTS.items()],
             **common,
         ),
         header: render(
@@ -113,13 +119,21 @@ class _Emission:
             "lanes_body": self.lanes_body(),
             "loads_size": sum(map(size, inputs)),
             "stores_size": sum(map(size, outputs)),
-            "loads": self.transfers("load(x", inputs),
-            "stores": self.transfers("store(y", outputs),
+            "loads": self.transfers("load", "x", inputs),
+            "stores": self.transfers("store", "y", outputs),
             "plain_loads": [f"{local} = {place};" for local, place in self.places("x", inputs)],
             "plain_stores": [f"{place} = {local};" for local, place in self.places("y", outputs)],
             "plain_call": self.plain_call(),
             "loop_body": self.loop_body(),
+            **self.local,
         }
+
+    @property
+    def local(self) -> dict[str, str]:
+        """Names for the batch function's variables, where no argument has them."""
+        arguments = (*self.inputs, *self.routine.outputs)
+        names = Names([*RESERVED, *(a.name for a in arguments)])
+        return {wish: names.take(wish) for wish in ("x", "y", "k", "all", "left")}
 
     @property
     def name(self) -> str:
@@ -127,7 +141,7 @@ class _Emission:
 
     @property
     def lanes_name(self) -> str:
-        return f"{self.routine.function.name}_lanes"
+        return f"{self.name}_lanes"
 
     @property
     def inputs(self) -> tuple[Argument, ...]:
@@ -205,7 +219,7 @@ class _Emission:
 
     def lanes_body(self) -> list[str]:
         """Return the statements over vectors: x holds all inputs, y all results."""
-        text = body(self.program, self.routine, self.reserved())
+        text = body(self.program, self.routine, {*self.reserved(), "x", "y"})
         first = dict(zip((a.name for a in self.inputs), offsets(self.inputs), strict=True))
         lines = [] if any(isinstance(s, Load) for s in text.statements) else ["(void)x;"]
         for statement in text.statements:
@@ -226,9 +240,10 @@ class _Emission:
 
     # -- batches ---------------------------------------------------------------------------------
 
-    def transfers(self, call: str, arguments: Sequence[Argument]) -> list[str]:
-        """Move n samples from sample k on: vectors and scalars at once, matrices row by row."""
+    def transfers(self, call: str, lanes: str, arguments: Sequence[Argument]) -> list[str]:
+        """Move the samples from k on: vectors and scalars at once, matrices row by row."""
         lines = []
+        lanes, k, left = (self.local[name] for name in (lanes, "k", "left"))
         for a, offset in zip(arguments, offsets(arguments), strict=True):
             stride, *axes = stride_names(a)
             *rows, columns = shape(a) or (1,)
@@ -236,8 +251,8 @@ class _Emission:
             for row, places in enumerate(itertools.product(*map(range, rows))):
                 at = "".join(f" + {i} * {axis}" for i, axis in zip(places, axes, strict=False) if i)
                 lines.append(
-                    f"{call} + {offset + row * columns}, {columns}, "
-                    f"{a.name} + k * {stride}{at}, {stride}, {step}, n);"
+                    f"{call}({lanes} + {offset + row * columns}, {columns}, "
+                    f"{a.name} + {k} * {stride}{at}, {stride}, {step}, {left});"
                 )
         return lines
 
@@ -247,11 +262,13 @@ class _Emission:
             stride, *axes = stride_names(a)
             for j, indices in enumerate(itertools.product(*map(range, shape(a)))):
                 at = "".join(f" + {i} * {axis}" for i, axis in zip(indices, axes, strict=True) if i)
-                yield f"{local}[{offset + j}]", f"{a.name}[k * {stride}{at}]"
+                place = f"{a.name}[{self.local['k']} * {stride}{at}]"
+                yield f"{self.local[local]}[{offset + j}]", place
 
     def plain_call(self) -> str:
-        arguments = [f"x + {offset}" for offset in offsets(self.inputs)]
-        arguments += [f"y + {offset}" for offset in offsets(self.routine.outputs)]
+        x, y = self.local["x"], self.local["y"]
+        arguments = [f"{x} + {offset}" for offset in offsets(self.inputs)]
+        arguments += [f"{y} + {offset}" for offset in offsets(self.routine.outputs)]
         return f"{self.name}({', '.join(arguments)})"
 
     def loop_body(self) -> list[str]:
