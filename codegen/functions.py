@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from moro_codegen.graph import Graph, Node
+from moro_codegen.frames import equivalent_postures
+from moro_codegen.graph import Graph, Node, fewest
 
 from moro.algorithms.drives import drive_torques
-from moro.algorithms.newton_euler import inverse_dynamics
+from moro.algorithms.newton_euler import joint_torques
+from moro.algorithms.posture import Posture, posture
 from moro.model import Model
 
 #: a dimension is a number, or "n" for the number of joints
@@ -35,6 +37,12 @@ class System:
     #: leave out rotor inertia and friction
     rigid: bool = False
 
+    def posture(self, q: Sequence[Node]) -> Posture:
+        """Return the arm with its joints at q."""
+        angles = [x + joint.offset for x, joint in zip(q, self.model.joints, strict=True)]
+        pairs = [(self.graph.sin(angle), self.graph.cos(angle)) for angle in angles]
+        return posture(self.model, q, pairs)
+
 
 @dataclass(frozen=True)
 class Function:
@@ -53,15 +61,13 @@ class Function:
 
 def _tau(
     system: System, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]
-) -> list[list[Node]]:
-    model, graph = system.model, system.graph
-    angles = [graph.constant(x + joint.offset) for x, joint in zip(q, model.joints, strict=True)]
-    sincos = [(graph.sin(angle), graph.cos(angle)) for angle in angles]
-    tau = list(inverse_dynamics(model, q, qd, qdd, sincos))
+) -> list[Sequence[Node]]:
+    postures = equivalent_postures(system.posture(q))
+    tau = fewest((joint_torques(arm, qd, qdd) for arm in postures), system.graph)
     if not system.rigid:
-        drives = drive_torques(model, qd, qdd, graph.sign)
+        drives = drive_torques(system.model, qd, qdd, system.graph.sign)
         tau = [body + drive for body, drive in zip(tau, drives, strict=True)]
-    return [[graph.constant(x) for x in tau]]
+    return [tau]
 
 
 Q = Argument("q", ("n",), "rad or m", "joint positions")

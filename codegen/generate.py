@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from moro_codegen.convert import Converter
+from moro_codegen.factor import factored
 from moro_codegen.functions import FUNCTIONS, Argument, Function, System
 from moro_codegen.graph import Graph, Node, count, schedule
 
@@ -86,7 +87,7 @@ def routine(system: System, function: Function) -> Routine:
     inputs = tuple(_resolved(argument, system.model.dof) for argument in function.inputs)
     outputs = tuple(_resolved(argument, system.model.dof) for argument in function.outputs)
     nodes = [[system.graph.input(a.name, k) for k in range(_size(a))] for a in inputs]
-    results = tuple(x for output in function.build(system, *nodes) for x in output)
+    results = factored([x for output in function.build(system, *nodes) for x in output])
     order, angles = _angles_first(schedule(results))
     return Routine(function, inputs, outputs, order, angles, results, count(order))
 

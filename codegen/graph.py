@@ -17,11 +17,15 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias, Union
 
-Constant: TypeAlias = Fraction | float
+#: a Fraction or a float (mypy knows no type for what they have in common)
+Constant: TypeAlias = Any
 Operand: TypeAlias = Union["Node", int, Fraction, float]
 
 #: results closer to zero than this, relative to their operands, are rounding
 ROUNDING = 8 * 2.0**-53
+
+#: time an operation takes, in additions
+WEIGHTS = {"add": 1, "sub": 1, "mul": 1, "div": 5, "sincos": 10, "sign": 1, "call": 20}
 
 
 class Node:
@@ -121,6 +125,8 @@ class Graph:
                 return self.constant(_sum(a.value, b.value))
             if b.value == 0:
                 return a
+            if a.op in ("add", "sub") and any(arg.op == "const" for arg in a.args):
+                return self._shifted(a, b.value)
             if b.value < 0:
                 return self._sub(a, self.constant(-b.value))
         if b.op == "neg":
@@ -157,6 +163,16 @@ class Graph:
         if b.op == "sub" and b.args[0] is a:
             return b.args[1]
         return self._sub(a, b)
+
+    def _shifted(self, a: Node, shift: Constant) -> Node:
+        """Return a + shift, a being a sum with a constant: (x + c) + shift = x + (c + shift)."""
+        x, y = a.args
+        if a.op == "add":
+            x, c = (y, x.value) if x.op == "const" else (x, y.value)
+            return self.add(x, _sum(c, shift))
+        if x.op == "const":
+            return self.sub(_sum(x.value, shift), y)
+        return self.add(x, _sum(-y.value, shift))
 
     def _sub(self, a: Node, b: Node) -> Node:
         """Return a - b, as -(b - a) if there is b - a already."""
@@ -238,6 +254,13 @@ class Graph:
         """Return the function ``name`` of C's math.h of the arguments."""
         return self._node("call", tuple(self.constant(a) for a in args), name)
 
+    def remake(self, node: Node, args: Sequence[Node]) -> Node:
+        """Return the operation of a node on other operands."""
+        if node.op == "call":
+            return self.call(node.value, *args)
+        result: Node = getattr(self, node.op)(*args)
+        return result
+
 
 def _sum(a: Constant, b: Constant) -> Constant:
     total = a + b
@@ -266,3 +289,20 @@ def count(nodes: Sequence[Node]) -> dict[str, int]:
             ops["sub" if node.op == "neg" else node.op] += 1
     ops["sincos"] = len({node.args[0] for node in nodes if node.op in ("sin", "cos")})
     return ops
+
+
+def fewest(alternatives: Iterable[Sequence[Operand]], graph: Graph) -> list[Node]:
+    """Return the alternative that takes the least time, by its operations."""
+
+    def time(results: Sequence[Node]) -> int:
+        ops = count(schedule(results))
+        return sum(ops[op] * weight for op, weight in WEIGHTS.items())
+
+    return min(([graph.constant(x) for x in results] for results in alternatives), key=time)
+
+
+def constant_value(x: Any) -> Any:
+    """Return the value of a constant (a node or a plain number), None for anything else."""
+    if isinstance(x, Node):
+        return x.value if x.op == "const" else None
+    return x if isinstance(x, (int, float, Fraction)) else None

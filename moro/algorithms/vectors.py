@@ -10,6 +10,11 @@ def add(u: Vector, v: Vector) -> Vector:
     return u[0] + v[0], u[1] + v[1], u[2] + v[2]
 
 
+def scaled(factor: Scalar, v: Vector) -> Vector:
+    """Return factor v."""
+    return factor * v[0], factor * v[1], factor * v[2]
+
+
 def dot(u: Vector, v: Vector) -> Scalar:
     """Return u . v."""
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
@@ -44,20 +49,11 @@ def product(A: Matrix, B: Matrix) -> Matrix:
     return transpose((times(A, columns[0]), times(A, columns[1]), times(A, columns[2])))
 
 
-def second_moments(J: Matrix) -> Matrix:
-    """Return the second moments integral r r^T dm = tr(J)/2 1 - J of the inertia tensor J."""
-    half = (J[0][0] + J[1][1] + J[2][2]) / 2
-    return (
-        (half - J[0][0], -J[0][1], -J[0][2]),
-        (-J[1][0], half - J[1][1], -J[1][2]),
-        (-J[2][0], -J[2][1], half - J[2][2]),
-    )
+def dyad(u: Vector, v: Vector) -> Matrix:
+    """Return u v^T."""
+    return scaled(u[0], v), scaled(u[1], v), scaled(u[2], v)
 
 
-def inertia_tensor(S: Matrix) -> Matrix:
-    """Return the inertia tensor J = tr(S) 1 - S of the second moments S."""
-    return (
-        (S[1][1] + S[2][2], -S[0][1], -S[0][2]),
-        (-S[1][0], S[0][0] + S[2][2], -S[1][2]),
-        (-S[2][0], -S[2][1], S[0][0] + S[1][1]),
-    )
+def sum_of(A: Matrix, B: Matrix) -> Matrix:
+    """Return A + B."""
+    return add(A[0], B[0]), add(A[1], B[1]), add(A[2], B[2])

@@ -1,0 +1,172 @@
+"""Frames of few operations: the same arm at the same instant, described with more zeros and ones.
+
+The torques depend neither on the frames chosen in the links, as long as the axis of a joint is its
+frame's z axis, nor on the unit of length. What is chosen here:
+
+- where on its axis a frame has its origin: on the common normal with the axis of its parent;
+- the unit of length: the commonest distance between frames becomes 1;
+- how a frame is turned about its axis. At an instant, one may fix a frame in the link that has the
+  axes of the parent's frame, whatever the joint's angle is. Then no vector needs turning between
+  the two; instead the moments of the body, and the positions of its children, are turned once. This
+  pays for last links (if the body is symmetric about the axis, nothing is left to turn), and for
+  parallel axes near the base: what is turned by q2 and then by q3 is turned by q2 + q3 at once.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+
+from moro_codegen.graph import Constant, constant_value
+from moro_codegen.reduce import reduced
+
+from moro.algorithms.posture import Link, Moments, Posture
+from moro.algorithms.vectors import add, scaled, transpose
+from moro.model import Scalar
+
+#: below this sine squared of the angle between two axes, their common normal is too far away
+NEARLY_PARALLEL = 1e-3
+
+
+def equivalent_postures(arm: Posture) -> Iterator[Posture]:
+    """Yield the arm in the descriptions that may need the fewest operations, for one to choose."""
+    arm = on_common_normals(arm)
+    leaves, parallel = turnable_leaves(arm), turnable_parallels(arm)
+    for constants_only in (False, True) if _has_parameters(arm) else (False,):
+        moved = reduced(arm, constants_only=constants_only)
+        for turned in {leaves | parallel, leaves, parallel, frozenset()}:
+            yield unturned(in_unit(moved, turned), turned)
+
+
+def on_common_normals(arm: Posture) -> Posture:
+    """Return the arm with every frame's origin on the common normal with its parent's axis."""
+    links = list(arm.links)
+    for i, children in enumerate(arm.children):
+        link = links[i]
+        shift = _to_common_normal(link)
+        if link.kind == "revolute" and link.parent >= 0 and shift:
+            p = add(link.p, scaled(shift, transpose(link.R)[2]))
+            links[i] = replace(link, p=p, body=link.body.displaced((0, 0, -shift)))
+            for k in children:
+                links[k] = replace(links[k], p=add(links[k].p, (0, 0, -shift)))
+    return replace(arm, links=tuple(links))
+
+
+def _to_common_normal(link: Link) -> Constant:
+    """Return how far along its axis a frame is from the common normal with its parent's axis.
+
+    Where the axes are parallel, from the point nearest to the origin of the parent's frame; 0 where
+    there are run-time parameters.
+    """
+    px, py, pz = map(constant_value, link.p)
+    x, y, z = map(constant_value, transpose(link.R)[2])
+    if None in (px, py, pz, x, y, z):
+        return 0
+    sine = x * x + y * y
+    if sine > NEARLY_PARALLEL:
+        return -(px * x + py * y) / sine
+    return -(px * x + py * y + pz * z)
+
+
+def in_unit(arm: Posture, turned: Collection[int]) -> Posture:
+    """Return the arm with lengths in a unit that makes as many of them 1 as possible.
+
+    Torques keep their unit: m is in units of S / length^2. Only for arms of revolute joints without
+    run-time parameters, where scaling costs nothing.
+    """
+    if _has_parameters(arm) or any(link.kind == "prismatic" for link in arm.links):
+        return arm
+    worth: Counter[Constant] = Counter()
+    for link in arm.links:
+        if link.parent >= 0:
+            # products with the components of p: with U and with the force, or p's own turning
+            cheap = link.parent in turned or arm.links[link.parent].parent < 0
+            for x in filter(None, map(constant_value, link.p)):
+                worth[abs(x)] += 2 if cheap else 5
+    if not worth:
+        return arm
+    unit = max(worth, key=worth.__getitem__)
+    links = []
+    for link in arm.links:
+        m, h, S = link.body.m, link.body.h, link.body.S
+        body = Moments(unit * unit * m, scaled(unit, h), S)
+        links.append(replace(link, p=scaled(1 / unit, link.p), body=body))
+    return Posture(tuple(links), scaled(1 / unit, arm.gravity))
+
+
+def turnable_leaves(arm: Posture) -> frozenset[int]:
+    """Return the last links that turn."""
+    return frozenset(
+        i
+        for i, (link, children) in enumerate(zip(arm.links, arm.children, strict=True))
+        if link.kind == "revolute" and link.parent >= 0 and not children
+    )
+
+
+def turnable_parallels(arm: Posture) -> frozenset[int]:
+    """Return the links that follow the first on parallel axes, all but the last of each row.
+
+    In the axes of the first link, their angular velocities have only two components.
+    """
+    found: set[int] = set()
+    for i, (link, children) in enumerate(zip(arm.links, arm.children, strict=True)):
+        near = link.parent in found or (link.parent >= 0 and arm.links[link.parent].parent < 0)
+        if near and link.kind == "revolute" and children:
+            outer = [arm.links[k] for k in children]
+            if all(k.kind == "revolute" and _parallel_sense(k) for k in outer):
+                found.add(i)
+    return frozenset(found)
+
+
+def _parallel_sense(link: Link) -> int:
+    """Return 1 if the link's axis is parallel to its parent's, -1 if antiparallel, else 0."""
+    cosine = constant_value(link.R[2][2])
+    return int(cosine) if cosine in (1, -1) else 0
+
+
+def unturned(arm: Posture, turned: Collection[int]) -> Posture:
+    """Return the arm with the frames of some revolute links turned against their joints' angles.
+
+    Their children, if any, turn about parallel axes.
+    """
+    links = list(arm.links)
+    for i, children in enumerate(arm.children):
+        if i in turned:
+            link = links[i]
+            sin, cos = link.sin, link.cos
+            links[i] = replace(link, sin=0, cos=1, body=about_z(link.body, sin, cos))
+            for k in children:
+                child = links[k]
+                angle = child.position + _parallel_sense(child) * link.position
+                x, y, z = child.p
+                p = cos * x - sin * y, sin * x + cos * y, z
+                pair = angle.graph.sin(angle), angle.graph.cos(angle)
+                links[k] = replace(child, p=p, position=angle, sin=pair[0], cos=pair[1])
+    return replace(arm, links=tuple(links))
+
+
+def about_z(body: Moments, sin: Scalar, cos: Scalar) -> Moments:
+    """Return the moments after turning the body about z.
+
+    With a = S_xx - S_yy, b = 2 S_xy, u = a sin + b cos, v = a cos - b sin, the moments S_xx and
+    S_yy become S_xx - u sin and S_yy + u sin, and S_xy becomes S_xy + v sin.
+    """
+    x, y, z = body.h
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.S
+    u = sin * ((xx - yy) * sin + 2 * xy * cos)
+    v = sin * ((xx - yy) * cos - 2 * xy * sin)
+    xx, xy, yy = xx - u, xy + v, yy + u
+    xz, yz = cos * xz - sin * yz, sin * xz + cos * yz
+    S = (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
+    return Moments(body.m, (cos * x - sin * y, sin * x + cos * y, z), S)
+
+
+def _has_parameters(arm: Posture) -> bool:
+    """Return whether run-time parameters are among the lengths, angles, bodies and gravity."""
+    for link in arm.links:
+        fixed = (*link.R[0], *link.R[1], *link.R[2], *(link.p if link.kind == "revolute" else ()))
+        body = (link.body.m, *link.body.h, *link.body.S[0], *link.body.S[1], *link.body.S[2])
+        if None in map(constant_value, (*fixed, *body)):
+            return True
+    return None in map(constant_value, arm.gravity)
