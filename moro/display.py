@@ -5,17 +5,18 @@ common form, always by the same rules, so that equal polynomials give identical 
 
 - parallel joints show their differences and sums as one angle: ``c2 c23 + s2 s23`` is ``cos(q3)``;
 - ``x - x c^2`` is ``x s^2``;
-- what all terms share stands in front of a bracket;
+- what all terms share, whole numbers and signs included, stands in front of a bracket;
 - terms are grouped by velocities, then by trigonometric factors or by masses and inertias,
   whichever takes fewer operations.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from math import gcd
+from functools import cmp_to_key
+from math import gcd, lcm
 from typing import Any
 
 import sympy as sp
@@ -25,12 +26,16 @@ from moro.trig import Coefficient, Monomial, Trig, TrigRing
 Terms = dict[Monomial, Coefficient]
 
 
+#: terms that a bracket may have in common beside whole numbers: halves, quarters, ...
+_MAX_DENOMINATOR = 8
+
+
 @dataclass(frozen=True)
 class Group:
-    """A part of a sum: ``key * content * sum of terms``, the first two monomials."""
+    """A part of a sum: ``scale * front * sum of terms``, ``front`` a monomial."""
 
-    key: Monomial
-    content: Monomial
+    scale: Coefficient
+    front: Monomial
     terms: Terms
 
 
@@ -55,17 +60,24 @@ class Display:
         self._velocity_symbols = list(velocities)
         self._monomials: dict[Monomial, Any] = {0: sp.Integer(1)}
         self._costs: dict[Monomial, int] = {0: 0}
+        self._powers: dict[tuple[int, int], tuple[Any, Any]] = {}
         self._terms: dict[tuple[Monomial, Coefficient], Any] = {}
         self._differences: dict[tuple[Any, Any], tuple[int, Trig, Trig]] = {}
+        self._shown: dict[Trig, Any] = {}
+        self._brackets: dict[frozenset[tuple[Monomial, Coefficient]], Any] = {}
 
     def __call__(self, p: Trig) -> Any:
         """Return ``p`` in its shortest common form."""
-        return self._sum(self.shortened(p))
+        found = self._shown.get(p)
+        if found is None:
+            found = self._shown[p] = self._sum(self.shortened(p))
+        return found
 
-    def by_trig(self, p: Trig) -> list[Group]:
-        """Return ``p`` grouped by its trigonometric (and velocity) monomials."""
-        mask = self._trig_mask() | self.ring.mask(self._velocity_symbols)
-        return self._grouped(self.shortened(p), mask)
+    def simplified(self, expr: Any) -> Any:
+        """Return a SymPy expression, or matrix, in its shortest common form."""
+        if isinstance(expr, sp.MatrixBase):
+            return expr.applyfunc(self.simplified)
+        return self(self.ring.convert(expr))
 
     # -- shorter terms ----------------------------------------------------------------------------
 
@@ -119,8 +131,8 @@ class Display:
             return self._flat(terms)
         common = self._common(terms)
         if common:
-            inner = self._sum({m - common: c for m, c in terms.items()})
-            return _product(self._monomial(common), inner)
+            scale, terms = _extracted({m - common: c for m, c in terms.items()})
+            return sp.Mul(self._number(scale), self._monomial(common), self._sum(terms))
         velocity = self.ring.mask(self._velocity_symbols)
         if any(m & velocity for m in terms) and any(m & ~velocity for m in terms):
             return self._by_velocity(terms, velocity)
@@ -131,36 +143,49 @@ class Display:
 
     def _by_velocity(self, terms: Terms, velocity: int) -> Any:
         """Group by products of velocities; those with proportional factors share one bracket."""
-        brackets: dict[Any, tuple[Terms, Terms]] = {}
+        shared: dict[Any, tuple[Terms, Terms]] = {}
         for key, part in self._parts(terms, velocity).items():
-            scale = _content(part)
-            if scale != 1:
-                part = {m: _quotient(c, scale) for m, c in part.items()}
-            _, rates = brackets.setdefault(frozenset(part.items()), (part, {}))
+            scale, factor = _primitive(part)
+            _, rates = shared.setdefault(frozenset(factor.items()), (factor, {}))
             rates[key] = scale
-        return sp.Add(
-            *(_product(self._sum(rates), self._sum(part)) for part, rates in brackets.values())
-        )
+        brackets = []
+        for factor, rates in shared.values():
+            for unit, multiples in _multiples(rates, 1 if len(factor) == 1 else None):
+                scale, multiples = _extracted(multiples)
+                bracket = self._sum({m: _whole(c * unit) for m, c in factor.items()})
+                brackets.append(sp.Mul(self._number(scale), self._sum(multiples), bracket))
+        return sp.Add(*brackets)
 
     def _bracket(self, group: Group) -> Any:
-        front = self._monomial(group.key + group.content)
-        return _product(front, self._inner(group.terms))
+        return sp.Mul(
+            self._number(group.scale), self._monomial(group.front), self._inner(group.terms)
+        )
 
     def _inner(self, terms: Terms) -> Any:
         """Return the terms as they are, or grouped by masses and inertias where that is shorter."""
-        if len(terms) > 2:
+        if len(terms) < 3:
+            return self._flat(terms)
+        key = frozenset(terms.items())
+        found = self._brackets.get(key)
+        if found is None:
             groups = self._grouped(terms, self.ring.mask(self._inertial_symbols))
-            if self._cost(groups) < self._cost([Group(0, 0, terms)]):
-                fronts = [self._monomial(group.key + group.content) for group in groups]
-                flats = [self._flat(group.terms) for group in groups]
-                return sp.Add(*map(_product, fronts, flats))
-        return self._flat(terms)
+            flat = [Group(1, 0, terms)]
+            best = groups if self._cost(groups) < self._cost(flat) else flat
+            found = self._brackets[key] = sp.Add(
+                *(
+                    sp.Mul(self._number(g.scale), self._monomial(g.front), self._flat(g.terms))
+                    for g in best
+                )
+            )
+        return found
 
     def _grouped(self, terms: Terms, mask: int) -> list[Group]:
         groups = []
         for key, part in self._parts(terms, mask).items():
             common = self._common(part)
-            groups.append(Group(key, common, {m - common: c for m, c in part.items()}))
+            front, part = key + common, {m - common: c for m, c in part.items()}
+            scale, part = _extracted(part) if front else (1, part)
+            groups.append(Group(scale, front, part))
         return groups
 
     @staticmethod
@@ -193,8 +218,8 @@ class Display:
         total = -1
         for group in groups:
             inside = sum(self._term_cost(m, c) for m, c in group.terms.items())
-            front = self._monomial_cost(group.key + group.content)
-            total += 1 + inside + len(group.terms) - 1 + front + (1 if front and inside else 0)
+            factors = 1 + (abs(group.scale) != 1) + (group.front != 0 and group.terms != {0: 1})
+            total += factors + inside + len(group.terms) - 1 + self._monomial_cost(group.front)
         return total
 
     def _term_cost(self, m: Monomial, c: Coefficient) -> int:
@@ -228,10 +253,31 @@ class Display:
     def _monomial(self, m: Monomial) -> Any:
         found = self._monomials.get(m)
         if found is None:
-            generators = self.ring.generators
-            factors = (generators[i] ** e for i, e in self.ring.exponents(m))
-            found = self._monomials[m] = sp.Mul(*factors)
+            found = self._monomials[m] = self._sorted_product(self.ring.exponents(m))
         return found
+
+    def _sorted_product(self, factors: list[tuple[int, int]]) -> Any:
+        """Return a product of powers of generators.
+
+        Powers of different symbols and functions are a SymPy product as they stand, in SymPy's
+        order: ``Mul`` need not look for what they have in common.
+        """
+        generators = self.ring.generators
+        if len(factors) < 2 or not all(_is_plain(generators[i]) for i, _ in factors):
+            return sp.Mul(*(generators[i] ** e for i, e in factors))
+        for factor in factors:
+            if factor not in self._powers:
+                i, e = factor
+                power = generators[i] ** e
+                self._powers[factor] = _sympy_order(power), power
+        return sp.Mul._from_args([power for _, power in sorted(self._powers[f] for f in factors)])
+
+
+_sympy_order = cmp_to_key(sp.Basic.compare)
+
+
+def _is_plain(generator: Any) -> bool:
+    return bool(generator.is_Symbol or generator.is_Function or generator.is_Derivative)
 
 
 def _only(generator: Trig) -> Monomial:
@@ -248,30 +294,50 @@ def _move(terms: Terms, m: Monomial, partner: Monomial, joined: Monomial, c: Coe
         del terms[joined]
 
 
-def _content(terms: Terms) -> Coefficient:
-    """Return the number to divide by: coprime whole numbers, or a first one, remain."""
-    numbers = [c for c in terms.values() if isinstance(c, int)]
-    if len(numbers) == len(terms):
-        content = gcd(*numbers)
-        return -content if all(c < 0 for c in numbers) else content
-    return terms[min(terms)]
+def _extracted(terms: Terms) -> tuple[Coefficient, Terms]:
+    """Return (scale, terms) with scale * terms as before: small whole numbers and fewer signs."""
+    scale: Coefficient = _sign(terms)
+    divisor = lcm(*(c.denominator for c in terms.values()))
+    if divisor <= _MAX_DENOMINATOR:
+        scale *= _whole(Fraction(gcd(*(c.numerator for c in terms.values())), divisor))
+    if scale == 1:
+        return 1, terms
+    return scale, {m: _quotient(c, scale) for m, c in terms.items()}
+
+
+def _primitive(terms: Terms) -> tuple[Coefficient, Terms]:
+    """Return (scale, terms) with coprime whole numbers: the same for proportional terms."""
+    divisor = lcm(*(c.denominator for c in terms.values()))
+    content = Fraction(gcd(*(int(c * divisor) for c in terms.values())), divisor)
+    scale = _whole(_sign(terms) * content)
+    return scale, {m: _quotient(c, scale) for m, c in terms.items()}
+
+
+def _multiples(rates: Terms, unit: Coefficient | None) -> Iterator[tuple[Coefficient, Terms]]:
+    """Yield (unit, whole multiples of it), the units being some of the rates, if not given."""
+    if unit is None and all(c.denominator == 1 for c in rates.values()):
+        unit = 1
+    if unit is not None:
+        yield unit, rates
+        return
+    rest = dict(rates)
+    while rest:
+        unit = min(map(abs, rest.values()))
+        found = {m: _quotient(c, unit) for m, c in rest.items() if (c / unit).denominator == 1}
+        yield unit, found
+        rest = {m: c for m, c in rest.items() if m not in found}
+
+
+def _sign(terms: Terms) -> int:
+    """Return the sign that most terms have, the first one's in doubt."""
+    negative = sum(c < 0 for c in terms.values()) * 2 - len(terms)
+    return -1 if negative > 0 or (negative == 0 and terms[min(terms)] < 0) else 1
 
 
 def _quotient(c: Coefficient, divisor: Coefficient) -> Coefficient:
-    return _whole(Fraction(c, divisor))
+    return _whole(Fraction(c) / divisor)
 
 
 def _whole(c: Coefficient) -> Coefficient:
     """Return a whole fraction as an integer."""
     return c.numerator if c.denominator == 1 else c
-
-
-def _product(front: Any, bracket: Any) -> Any:
-    """Return front * bracket; a minus sign that all terms of a sum share is pulled out."""
-    sign = 1
-    factors = []
-    for factor in (front, bracket):
-        negative = factor.is_Add and all(x.could_extract_minus_sign() for x in factor.args)
-        sign = -sign if negative else sign
-        factors.append(-factor if negative else factor)
-    return sp.Mul(sign, *factors)
