@@ -314,17 +314,16 @@ def _primitive(terms: Terms) -> tuple[Coefficient, Terms]:
 
 
 def _multiples(rates: Terms, unit: Coefficient | None) -> Iterator[tuple[Coefficient, Terms]]:
-    """Yield (unit, whole multiples of it), the units being some of the rates, if not given."""
-    if unit is None and all(c.denominator == 1 for c in rates.values()):
-        unit = 1
-    if unit is not None:
-        yield unit, rates
+    """Yield (unit, multiples of it): ``unit``, or else 1 or the least rates that divide others."""
+    if unit or all(c.denominator <= _MAX_DENOMINATOR for c in rates.values()):
+        yield unit or 1, rates
         return
     rest = dict(rates)
     while rest:
-        unit = min(map(abs, rest.values()))
-        found = {m: _quotient(c, unit) for m, c in rest.items() if (c / unit).denominator == 1}
-        yield unit, found
+        least = min(abs(Fraction(c)) for c in rest.values())
+        parts = {m: _quotient(c, least) for m, c in rest.items()}
+        found = {m: c for m, c in parts.items() if c.denominator == 1}
+        yield least, found
         rest = {m: c for m, c in rest.items() if m not in found}
 
 
