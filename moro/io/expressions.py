@@ -237,10 +237,10 @@ class _Parser:
         mantissa, _, exponent = token.text.lower().partition("e")
         whole, _, decimals = mantissa.partition(".")
         if len(whole) > 1 and whole.startswith("0"):
-            _refuse(f"`{token.text}`: a number has no zeros in front of it")
+            _refuse(f"{quoted(token.text)}: a number has no zeros in front of it")
         # checked before 10**exponent is made; the digits before the point are bounded by the length
         if len(exponent) > 5 or abs(int(exponent or 0)) > MAX_MAGNITUDE:
-            _refuse(f"`{token.text}` is beyond {_RANGE} in size")
+            _refuse(f"{quoted(token.text)} is beyond {_RANGE} in size")
         shift = int(exponent or 0) - len(decimals)
         return self.checked(int(whole + decimals) * sympy.Integer(10) ** shift, token.start)
 
@@ -254,19 +254,20 @@ class _Parser:
         if token.text.lower() in ("nan", "inf", "infinity"):
             _refuse(f"`{token.text}` is not a finite number")
         if token.text == "t" or JOINT_VARIABLE.fullmatch(token.text):
+            meaning = "time" if token.text == "t" else "a joint variable"
             _refuse(
-                f"`{token.text}` stands for {'time' if token.text == 't' else 'a joint variable'},"
+                f"{quoted(token.text)} stands for {meaning},"
                 " which moro adds by itself; give the constant part only, 0 if there is none"
             )
         hint = nearest(token.text, ["pi", *self.names])
-        return _refuse(f"`{token.text}` is not a number, `pi` or a declared parameter{hint}")
+        return _refuse(f"{quoted(token.text)} is not a number, `pi` or a declared parameter{hint}")
 
     def call(self, token: _Token) -> Expr:
         if token.text not in FUNCTIONS:
             if token.text == "pi" or token.text in self.names:
                 _refuse(f"`{token.text}(`: an operator such as `*` is missing before the bracket")
             hint = nearest(token.text, FUNCTIONS) or f"; known are {', '.join(FUNCTIONS)}"
-            _refuse(f"`{token.text}` is not a function that may be used{hint}")
+            _refuse(f"{quoted(token.text)} is not a function that may be used{hint}")
         bracket = self.take()
         arguments = []
         with self:
@@ -334,9 +335,8 @@ class _Parser:
             hint = "digits are written without `_`"
         else:
             hint = "is an operator such as `*` missing?"
-        _refuse(
-            f"{quoted(self.text)}: `{token.text}` is not expected after {quoted(before)}; {hint}"
-        )
+        found = f"{quoted(token.text)} is not expected after {quoted(before)}"
+        _refuse(f"{quoted(self.text)}: {found}; {hint}")
 
     def __enter__(self) -> None:
         """Go one level deeper."""

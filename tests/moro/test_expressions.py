@@ -9,9 +9,9 @@ import pytest
 import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from sympy import Rational, pi, sqrt
 
 from moro.io.expressions import MAX_DEPTH, MAX_LENGTH, ExpressionError, parse
-from sympy import Rational, pi, sqrt
 
 a, b = sympy.symbols("a b", real=True)
 NAMES = {"a": a, "b": b}
@@ -210,7 +210,7 @@ def _by_python(text: str) -> Fraction:
     tree = ast.parse(text.strip(), mode="eval")
 
     class Literals(ast.NodeTransformer):
-        def visit_Constant(self, node: ast.Constant) -> ast.AST:  # noqa: N802
+        def visit_Constant(self, node: ast.Constant) -> ast.AST:
             source = ast.get_source_segment(text.strip(), node)
             return ast.Call(ast.Name("Fraction", ast.Load()), [ast.Constant(source)], [])
 
