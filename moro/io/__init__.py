@@ -1,1 +1,65 @@
-"""robot.yaml in, Robot out."""
+"""robot.yaml in, Robot out: ``load``. Nothing heavy is imported before it is called."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .errors import Problem, RobotFileError, RobotFileWarning, nearest
+
+if TYPE_CHECKING:
+    from ..robot import Robot
+    from .schema import RobotFile
+
+__all__ = ["Problem", "RobotFileError", "RobotFileWarning", "load", "locate", "packaged", "read"]
+
+_ROBOTS = Path(__file__).parent.parent / "robots"
+
+
+def load(source: str | os.PathLike[str]) -> Robot:
+    """Return the arm that a file describes, as a Robot.
+
+    ``source`` is the path of a robot file, or the name of a packaged arm (``packaged()``). Where it
+    could be both, it is the packaged arm; ``./puma560`` is always a path.
+
+    Raises RobotFileError, a ValueError, that lists all that is wrong with the file, with lines and
+    fields. Warns (RobotFileWarning) of what is legal but probably not meant.
+    """
+    from .build import robot
+
+    return robot(read(source))
+
+
+def read(source: str | os.PathLike[str]) -> RobotFile:
+    """Return what the file that ``load`` takes says, validated, in exact SymPy values."""
+    from . import reader
+
+    is_packaged = isinstance(source, str) and source in packaged()
+    return reader.read(locate(source), warn=not is_packaged)  # ours are known data, oddities too
+
+
+def locate(source: str | os.PathLike[str]) -> Path:
+    """Return the path of the file that ``load`` would read."""
+    if isinstance(source, str) and source in packaged():
+        return _ROBOTS / f"{source}.yaml"
+    if isinstance(source, str) and _is_name(source):
+        arms = packaged()
+        message = (
+            f"neither a file nor a packaged arm{nearest(source, arms)}"
+            f" (packaged are {', '.join(arms)})"
+        )
+        raise RobotFileError(source, [Problem(None, "", message)])
+    return Path(source)
+
+
+def packaged() -> tuple[str, ...]:
+    """Return the names of the arms that come with moro."""
+    return tuple(sorted(path.stem for path in _ROBOTS.glob("*.yaml")))
+
+
+def _is_name(source: str) -> bool:
+    """Whether ``source`` looks like the name of an arm, and is not that of a file."""
+    bare = re.fullmatch(r"[\w -]{0,100}", source) is not None
+    return bare and not Path(source).is_file()

@@ -1,0 +1,43 @@
+"""From the description of an arm to a Robot."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy
+
+from ..abc import joint_variable
+from ..robot import Robot
+from .schema import Friction, Link, RobotFile
+
+
+def robot(file: RobotFile) -> Robot:
+    """Return the Robot that ``file`` describes. What the file leaves out is not set."""
+    rows = [_row(link, joint_variable(i)) for i, link in enumerate(file.links, start=1)]
+    robot = Robot(*rows, convention=file.convention, name=file.name)
+    links = file.links
+    robot.gravity = file.gravity
+    robot.parameters = file.parameters
+    if links[0].mass is not None:  # one has it: all have mass, com and inertia
+        robot.masses = [link.mass for link in links]
+        robot.cm_positions = [link.com for link in links]
+        robot.inertia_tensors = [sympy.Matrix(link.inertia) for link in links]
+    if any(link.rotor_inertia is not None for link in links):
+        robot.rotor_inertias = [link.rotor_inertia or sympy.Integer(0) for link in links]
+    if any(link.friction is not None for link in links):
+        friction = [link.friction or Friction() for link in links]
+        robot.viscous_friction = [each.viscous for each in friction]
+        robot.coulomb_friction = [each.coulomb for each in friction]
+    if any(link.limits is not None for link in links):
+        defaults = robot.joint_limits
+        robot.joint_limits = [
+            link.limits or default for link, default in zip(links, defaults, strict=True)
+        ]
+    return robot
+
+
+def _row(link: Link, q: Any) -> tuple[Any, ...]:
+    """Return the row of the DH table; the joint variable is added to theta or to d."""
+    if link.joint == "revolute":
+        return (link.a, link.alpha, link.d, q + link.theta, "r")
+    return (link.a, link.alpha, q + link.d, link.theta, "p")

@@ -1,0 +1,124 @@
+"""Robot files that are legal and probably wrong."""
+
+from __future__ import annotations
+
+import warnings
+
+import pytest
+
+from moro.io import RobotFileWarning, load, packaged
+
+LINK = {
+    "joint": "revolute",
+    "a": "0.5",
+    "alpha": "pi/2",
+    "d": "0",
+    "theta": "0",
+    "mass": "1",
+    "com": "[0, 0, 0.1]",
+    "inertia": "[1, 1, 1]",
+    "limits": "[-pi, pi]",
+}
+
+
+@pytest.fixture
+def read_with(tmp_path):
+    def read_with(head: str = "", **changes: str) -> list[str]:
+        fields = "\n    ".join(f"{key}: {value}" for key, value in {**LINK, **changes}.items())
+        path = tmp_path / "arm.yaml"
+        path.write_text(f"{head}links:\n  - {fields}\n")
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            assert load(path).dof == 1
+        assert all(each.category is RobotFileWarning for each in caught)
+        assert all(each.filename == __file__ for each in caught)
+        return [str(each.message).replace(f"{path}:", "") for each in caught]
+
+    return read_with
+
+
+def test_a_plain_arm_gives_no_warning(read_with):
+    assert read_with() == []
+
+
+@pytest.mark.parametrize("inertia", ["[1, 1, 2]", "[0, 0, 0]", "[0.33333, 0.33333, 0.66667]"])
+def test_inertias_of_rods_plates_points_and_rounded_ones_are_physical(read_with, inertia):
+    assert read_with(inertia=inertia) == []
+
+
+@pytest.mark.parametrize(
+    ("inertia", "reason"),
+    [
+        ("[0, 0.35, 0]", "a principal moment is above the sum of the other two (0, 0, 0.35)"),
+        ("[1, 1, 2.01]", "a principal moment is above the sum of the other two (1, 1, 2.01)"),
+        ("[1, 1, -0.5]", "a principal moment is negative (-0.5, 1, 1)"),
+        ("[1, 1, 1, 2, 0, 0]", "a principal moment is negative (-1, 1, 3)"),
+        ("[[2, 0, 1], [0, 2, 0], [1, 0, 0]]", "a principal moment is negative (-0.414214, 2, 2.4"),
+    ],
+)
+def test_an_inertia_that_no_body_has(read_with, inertia, reason):
+    (message,) = read_with(inertia=inertia)
+    assert message.startswith(f"9: links[1].inertia: not physical: {reason}")
+
+
+def test_inertias_with_parameters_are_not_judged(read_with):
+    assert read_with("parameters: {x: 9}\n", inertia="[x, 1, 1]") == []
+
+
+@pytest.mark.parametrize(
+    ("alpha", "suggested"),
+    [
+        ("1.5707963", "pi/2"),
+        ("1.5708", "pi/2"),
+        ("1.57", "pi/2"),
+        ("-1.571", "-pi/2"),
+        ("3.14159", "pi"),
+        ("-3.14", "-pi"),
+        ("4.712389", "3*pi/2"),
+        ("6.2832", "2*pi"),
+        ("6.123e-17", "0"),
+    ],
+)
+def test_quarter_turns_typed_as_decimals(read_with, alpha, suggested):
+    (message,) = read_with(alpha=alpha)
+    assert message.startswith("4: links[1].alpha: ")
+    assert f"write `{suggested}`: exact zeros make short equations" in message
+
+
+@pytest.mark.parametrize("alpha", ["0", "1.58", "1.5", "0.01", "-3", "3", "pi/3", "5*pi/2"])
+def test_other_angles_pass(read_with, alpha):
+    assert read_with(alpha=alpha) == []
+
+
+def test_degrees(read_with):
+    (message,) = read_with(theta="-90")
+    assert message == (
+        "6: links[1].theta: -90 rad is more than a turn; angles are in radians,"
+        " -90 degrees are `-pi/2`"
+    )
+    (message,) = read_with(limits="[-180, 180]")
+    assert message.startswith("10: links[1].limits: is more than two turns; angles are in radians")
+    assert read_with(joint="prismatic", limits="[0, 50]") == []
+
+
+def test_millimetres(read_with):
+    (message,) = read_with(a="431.8")
+    assert message == "3: links[1].a: 431.8 m is long for a link; lengths are in m"
+    (message,) = read_with(com="[0, 0, 120]")
+    assert message.startswith("8: links[1].com: is far from the link")
+
+
+def test_parameters_that_nothing_uses(read_with):
+    messages = read_with("parameters: {x: 1, y: 2, z: 3}\ngravity: [0, 0, -z]\n", mass="2*y")
+    assert messages == ["1: parameters.x: this parameter is not used in the file"]
+
+
+def test_several_warnings(read_with):
+    assert len(read_with(alpha="90", theta="1.57", inertia="[0, 0, 1]")) == 3
+
+
+@pytest.mark.parametrize("name", packaged())
+def test_packaged_arms_are_known_data(name):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        load(name)
