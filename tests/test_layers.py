@@ -1,0 +1,107 @@
+"""The layers: imports run one way, and importing moro loads nothing heavy but SymPy."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = {"moro": ROOT / "moro", "moro_codegen": ROOT / "codegen"}
+
+
+def modules():
+    for package, folder in PACKAGES.items():
+        for path in sorted(folder.rglob("*.py")):
+            parts = [package, *path.relative_to(folder).with_suffix("").parts]
+            yield ".".join(parts[:-1] if parts[-1] == "__init__" else parts), path
+
+
+def imports(module, path):
+    """Modules of the project that a module imports when it is imported itself."""
+    known = {name for name, _ in modules()}
+    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+    for node in top_level(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                above = package.split(".")[: len(package.split(".")) - node.level + 1]
+                base = ".".join([*above, *([base] if base else [])])
+            names = [f"{base}.{alias.name}" for alias in node.names]
+            names = [name if name in known else base for name in names]
+        else:
+            continue
+        yield from (name for name in names if name in known)
+
+
+def top_level(tree):
+    """Statements that run on import, but for those that only type checkers see."""
+    for node in tree.body:
+        yield node
+        if isinstance(node, ast.If) and "TYPE_CHECKING" not in ast.dump(node.test):
+            yield from node.body
+
+
+GRAPH = {module: set(imports(module, path)) - {module} for module, path in modules()}
+
+
+def test_moro_never_imports_moro_codegen():
+    guilty = {m for m, used in GRAPH.items() if m.startswith("moro.") or m == "moro"
+              for name in used if name.startswith("moro_codegen")}  # fmt: skip
+    assert not guilty
+
+
+@pytest.mark.parametrize("module", [m for m in GRAPH if m.startswith("moro.algorithms")])
+def test_algorithms_know_only_the_model(module):
+    allowed = ("moro.algorithms", "moro.model")
+    assert all(name.startswith(allowed) for name in GRAPH[module]), GRAPH[module]
+
+
+@pytest.mark.parametrize("module", ["moro.trig", "moro.model", "moro.abc"])
+def test_the_ground_floor_stands_on_nothing(module):
+    assert not GRAPH[module]
+
+
+@pytest.mark.parametrize("module", ["moro.closed_form", "moro.chain", "moro.display"])
+def test_the_symbolic_route_never_uses_the_recursive_one(module):
+    reached, new = set(), {module}
+    while new:
+        reached |= new
+        new = {name for m in new for name in GRAPH[m]} - reached
+    assert not {name for name in reached if name.startswith("moro.algorithms")}
+
+
+def test_there_are_no_circles():
+    done, path = set(), []
+
+    def visit(module):
+        assert module not in path, " -> ".join([*path[path.index(module) :], module])
+        if module in done:
+            return
+        path.append(module)
+        for name in sorted(GRAPH[module]):
+            visit(name)
+        path.pop()
+        done.add(module)
+
+    for module in GRAPH:
+        visit(module)
+
+
+def test_import_moro_is_light():
+    heavy = [
+        "numpy",
+        "pydantic",
+        "yaml",
+        "jinja2",
+        "rich",
+        "click",
+        "moro.io.schema",
+        "moro_codegen",
+    ]
+    code = f"import sys, moro; print([m for m in {heavy} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
