@@ -7,6 +7,7 @@ broadcasts leading axes, and says of everything else what is wrong with it.
 from __future__ import annotations
 
 import difflib
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, TypeAlias
@@ -23,6 +24,8 @@ Run: TypeAlias = Callable[[Sequence[Array], Sequence[Array]], None]
 
 #: more work than this to find out whether two arrays overlap, and we say they do
 OVERLAP_WORK = 10_000
+
+_OPTIONAL = ("parameters", "out")
 
 
 @dataclass(frozen=True)
@@ -148,11 +151,21 @@ class Signature:
 
         function.__name__ = function.__qualname__ = self.name
         function.__doc__ = self.doc
+        function.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+            [
+                inspect.Parameter(
+                    name,
+                    inspect.Parameter.POSITIONAL_OR_KEYWORD,
+                    default=None if name in _OPTIONAL else inspect.Parameter.empty,
+                )
+                for name in (*(a.name for a in self.given), *_OPTIONAL)
+            ]
+        )
         return function
 
     def _bind(self, args: Sequence[Any], keywords: Mapping[str, Any]) -> tuple[Any, Any, Any]:
         """Return the inputs in order, the parameters and ``out``."""
-        names = [*[a.name for a in self.given], "parameters", "out"]
+        names = [*[a.name for a in self.given], *_OPTIONAL]
         if len(args) > len(names):
             raise TypeError(f"{self.call} takes {len(names)} arguments, found {len(args)}")
         bound = dict(zip(names, args, strict=False))
@@ -257,7 +270,7 @@ class Signature:
             raise ValueError(f"{self.name}: out must have shape {expected}, found {out.shape}")
         if not out.flags.writeable:
             raise ValueError(f"{self.name}: out is read-only")
-        if 0 in (s for s, n in zip(out.strides, out.shape, strict=True) if n > 1):
+        if out.size and any(n > 1 and s == 0 for s, n in zip(out.strides, out.shape, strict=True)):
             raise ValueError(f"{self.name}: out has several components in one place of memory")
 
 

@@ -60,7 +60,10 @@ def find_compiler() -> Compiler:
         raise ToolchainError(f"kernels in C need Linux or macOS. {FALLBACK}")
     chosen = os.environ.get("CC", "").strip()
     tried = []
-    candidates = [shlex.split(chosen)] if chosen else [[name] for name in CANDIDATES]
+    try:
+        candidates = [shlex.split(chosen)] if chosen else [[name] for name in CANDIDATES]
+    except ValueError as error:
+        raise ToolchainError(f"CC={chosen} is no command: {error}. {FALLBACK}") from None
     for command in candidates:
         if shutil.which(command[0]) is None:
             tried.append(f"{command[0]}: not found")

@@ -3,6 +3,7 @@
 import re
 import shutil
 import subprocess
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -174,9 +175,13 @@ def test_the_same_text_every_time():
 
 
 def test_constants_are_shortest_doubles():
-    source = emit(generate(reference_model("puma560")))["puma560.c"]
-    assert " 9.81 " in source
-    assert " 0.4318 " in source
+    values = (Fraction("0.1"), Fraction(1, 3), 2, 1e-300, Fraction("4318") / 10**4)
+    constants = Function(
+        "f", (vector("q"),), (vector("y", 5),), "", lambda s, q: [[q[0] * x for x in values]]
+    )
+    source = emit(program(constants, name="constants"))["constants.c"]
+    for text in ("0.1", "0.3333333333333333", "2.0", "1e-300", "0.4318"):
+        assert f" = {text} * q1;" in source
 
 
 def test_statements_have_names_of_the_theory():
