@@ -5,11 +5,14 @@ from __future__ import annotations
 import errno
 import pickle
 import time
+import warnings
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
-from moro.io import Problem, RobotFileError, load, read
+from moro.io import Problem, RobotFileError, RobotFileWarning, load, read
 from moro.io.document import MAX_SIZE
 
 #: a good file, whose lines the tests below change one at a time
@@ -447,3 +450,36 @@ def test_errors_can_be_sent_between_processes():
     again = pickle.loads(pickle.dumps(error))  # noqa: S301 - of this test's own making
     assert str(again) == str(error) == "arm.yaml:2: name: bad"
     assert again.problems == error.problems
+
+
+# --- any damage ----------------------------------------------------------------------------------
+
+PIECES = ["\t", "  ", "\n", ":", ": ", "- ", "[", "]", "{", "}", "&a ", "*a", "!!", "'", '"', "|"]
+PIECES += ["#", "?", "%", "0", "-1", "1e9", "nan", "true", "pi/0", "x", "é", "\x00", "a: ", "---"]
+
+
+@settings(deadline=None, max_examples=200, suppress_health_check=[HealthCheck.too_slow])
+@given(
+    st.lists(
+        st.tuples(st.integers(0, len(ARM)), st.integers(0, 12), st.sampled_from(["", *PIECES])),
+        min_size=1,
+        max_size=3,
+    )
+)
+def test_any_damage_to_a_file_gives_an_arm_or_a_list_of_problems(tmp_path_factory, damages):
+    text = ARM
+    for start, length, piece in damages:
+        text = text[:start] + piece + text[start + length :]
+    path = tmp_path_factory.getbasetemp() / "damaged.yaml"
+    path.write_text(text, encoding="utf-8")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RobotFileWarning)
+        try:
+            arm = read(path)
+        except RobotFileError as error:
+            assert error.problems  # noqa: PT017
+            for line, _, message in error.problems:
+                assert message
+                assert line is None or 1 <= line <= text.count("\n") + 1
+        else:
+            assert arm.links
