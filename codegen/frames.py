@@ -121,8 +121,8 @@ def turnable_parallels(arm: Posture) -> frozenset[int]:
 
 def _parallel_sense(link: Link) -> int:
     """Return 1 if the link's axis is parallel to its parent's, -1 if antiparallel, else 0."""
-    cosine = constant_value(link.R[2][2])
-    return int(cosine) if cosine in (1, -1) else 0
+    x, y, z = map(constant_value, transpose(link.R)[2])
+    return int(z) if x == y == 0 and z is not None else 0
 
 
 def unturned(arm: Posture, turned: Collection[int]) -> Posture:
