@@ -148,6 +148,59 @@ def test_results_may_share_memory_with_inputs(tmp_path):
     assert run("./main", cwd=tmp_path) == "2 3.5 1"
 
 
+SANITIZED = """
+#include <stdlib.h>
+#include <string.h>
+#include "all_ops.h"
+#define D sizeof(double)
+/* arrays of just the size that is needed, in rows, in columns and backwards, one for all samples */
+int main(void)
+{
+    for (ptrdiff_t n = 0; n <= 20; n++) {
+        double *q = malloc(3 * n * D), *qd = malloc(3 * n * D), *parameters = malloc(2 * D);
+        double *M = malloc(6 * n * D), *v = malloc(3 * n * D), *energy = malloc(n * D);
+        for (ptrdiff_t i = 0; i < 3 * n; i++) {
+            q[i] = (double)i;
+            qd[i] = 1.0 - (double)i;
+        }
+        parameters[0] = parameters[1] = 0.5;
+        all_ops_everything_batch((size_t)n, q, 3, 1, qd, 3, 1, parameters, 0, 1,
+                                 M, 6, 3, 1, v, 3, 1, energy, 1);
+        all_ops_everything_batch((size_t)n, q, 1, n, qd, 1, n, parameters, 0, 1,
+                                 M, 1, 3 * n, n, v, 1, n, energy, 1);
+        if (n)
+            all_ops_everything_batch((size_t)n, q + 3 * n - 1, -3, -1, qd + 3 * n - 1, -1, -n,
+                                     parameters + 1, 0, -1, M + 6 * n - 1, -6, -1, -2,
+                                     v + 3 * n - 1, -1, -n, energy + n - 1, -1);
+        for (ptrdiff_t i = 0; i < n; i++)
+            all_ops_everything(q + 3 * i, qd + 3 * i, parameters, M + 6 * i, v + 3 * i, energy + i);
+        free(q), free(qd), free(parameters), free(M), free(v), free(energy);
+    }
+    return 0;
+}
+"""
+
+
+@pytest.mark.parametrize("target", ["-march=native", "-mtune=generic"])
+def test_nothing_is_read_or_written_outside(tmp_path, target):
+    """Under AddressSanitizer and UndefinedBehaviorSanitizer, for any number of samples."""
+    sanitizers = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+    (tmp_path / "empty.c").write_text("int main(void) { return 0; }\n")
+    tried = subprocess.run(
+        ["cc", *sanitizers, "empty.c", "-o", "empty"],
+        cwd=tmp_path,
+        capture_output=True,
+        check=False,
+    )
+    if tried.returncode != 0:
+        pytest.skip("this compiler has no sanitizers")
+    source = write(everything_program(), tmp_path)
+    (tmp_path / "main.c").write_text(SANITIZED)
+    flags = ("-std=c99", "-g", "-O1", target, *sanitizers)
+    run("cc", *flags, "main.c", source.name, "-lm", "-o", "main", cwd=tmp_path)
+    run("./main", cwd=tmp_path)
+
+
 def test_nothing_but_math_h():
     for text in emit(generate(reference_model("puma560"))).values():
         included = set(re.findall(r"#include [<\"](.*)[>\"]", text))
