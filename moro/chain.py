@@ -200,6 +200,11 @@ class Chain:
         R = self._rotation(self._walk.links[i].angle, sp.Integer(0))
         return _apply(_transpose(R), v)
 
+    def in_frame(self, i: int, v: Vec) -> Vec:
+        """Return a vector of link i's home segment, in the axes of frame i."""
+        link = self._walk.links[i]
+        return _apply(_transpose(self._rotation(link.angle, link.tilt)), v)
+
     def jacobian_columns(self, i: int, r: Vec) -> Iterator[tuple[int, Vec, Vec]]:
         """Yield (k, linear, angular) for the joints k that move point ``r`` of link i.
 

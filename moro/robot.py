@@ -11,12 +11,15 @@ import sympy as sp
 
 from moro import checks
 from moro.abc import t
+from moro.base_parameters import BaseParameter, BaseParameters, base_parameters
 from moro.chain import Chain
 from moro.closed_form import Arm, ClosedForm
 from moro.display import Display
 from moro.from_dh import model_from_dh
 from moro.model import Model
+from moro.regressor import Regressor, regressor_columns
 from moro.rows import read_rows
+from moro.standard_parameters import BODY, Standard
 from moro.tables import Table
 from moro.trig import Trig, TrigRing
 
@@ -471,6 +474,37 @@ class Robot:
         left = sp.MatAdd(*blocks, evaluate=False)
         return sp.Eq(left, sp.ImmutableMatrix(self._taus()), evaluate=False)
 
+    # -- inertial parameters ----------------------------------------------------------------------
+
+    def base_parameters(self, zeros: bool | None = None) -> BaseParameters:
+        """Return the minimal inertial parameters: those that the torques can tell apart.
+
+        Each is a combination of the links' inertial parameters XX_1, .., MX_1, .., M_1 (tensor,
+        first moments and mass about the origin of Khalil's frame: z along joint i, x along the
+        common normal to joint i + 1) with lengths and twists, and has a value in the symbols of
+        the model. Rotor inertias and friction are parameters too, if they are set. No smaller set
+        gives the same torques (``moro.base_parameters`` has the theory and the sources).
+
+        Geometry and gravity decide which there are. A parameter whose value is zero is left out
+        where zero is an assumption of the model (of a link given in symbols, of friction and
+        rotors), and stands where it is a number among numbers; ``zeros`` True or False keeps or
+        leaves out all of them.
+        """
+        self._needed("gravity")
+        return BaseParameters(x for x in self._all_base_parameters() if self._counts(x, zeros))
+
+    def regressor(self, zeros: bool | None = None) -> Regressor:
+        """Return (Y, p) with M qdd + C qd + G + friction = Y(q, qd, qdd) p identically.
+
+        Y is n x b, p the b values of ``base_parameters(zeros)``, in that order. The columns of Y
+        are linearly independent.
+        """
+        self._warn_if_static("regressor")
+        parameters = self.base_parameters(zeros)
+        leaders = tuple(x.leader for x in parameters)
+        columns = self._matrix(("Y", leaders), lambda: self._regressor_columns(leaders)).T
+        return Regressor(columns.reshape(self.dof, len(leaders)), parameters.values)
+
     # -- as a whole -------------------------------------------------------------------------------
 
     def simplify(self, expr: Any) -> Any:
@@ -539,6 +573,10 @@ class Robot:
         return ring
 
     def _show(self, p: Trig) -> Any:
+        return self._shown_by(p)
+
+    @property
+    def _shown_by(self) -> Display:
         if self._display is None:
             tensors = self._inertia_tensors or ()
             constants = [*(self._masses or ()), *(x for I in tensors for row in I for x in row)]
@@ -548,7 +586,7 @@ class Robot:
                 velocities=self._velocities(),
                 decimal=bool(self._with_floats),
             )
-        return self._display(p)
+        return self._display
 
     def _matrix(self, key: Any, entries: Callable[[], Sequence[Sequence[Trig]]]) -> sp.Matrix:
         if key not in self._results:
@@ -619,22 +657,66 @@ class Robot:
         return links + rotors
 
     def _euler_lagrange(self) -> list[Trig]:
-        moving = [q.diff(t) or sp.Dummy() for q in self.qs]
-        accelerating = [q.diff(t, 2) or sp.Dummy() for q in self.qs]
-        equations = self._form.euler_lagrange(moving, accelerating)
-        still = [x for x in [*moving, *accelerating] if x.is_Symbol]
-        return [self._ring.coefficients(p, still).get(0, self._ring.zero) for p in equations]
+        return self._at_rest(self._form.euler_lagrange(*self._motion))
+
+    @property
+    def _motion(self) -> tuple[list[Any], list[Any]]:
+        """Symbols of the joint velocities and accelerations, also of joint variables at rest."""
+        if "motion" not in self._results:
+            orders = ([q.diff(t, k) or sp.Dummy() for q in self.qs] for k in (1, 2))
+            self._results["motion"] = tuple(orders)
+        rates, accelerations = self._results["motion"]
+        return rates, accelerations
+
+    def _at_rest(self, polynomials: Sequence[Trig]) -> list[Trig]:
+        """Put in zero for the velocities of joint variables that are plain symbols."""
+        still = [x for order in self._motion for x in order if x.is_Symbol]
+        still += [sp.sign(x) for x in still]
+        return [self._ring.coefficients(p, still).get(0, self._ring.zero) for p in polynomials]
+
+    def _all_base_parameters(self) -> BaseParameters:
+        if "base parameters" not in self._results:
+            friction = {
+                Standard(i, name): value
+                for i in range(self.dof)
+                for name, value in self._friction_coefficients(i).items()
+            }
+            rates, _ = self._motion
+            self._results["base parameters"] = base_parameters(
+                self.arm, friction, self._ring, rates, self._shown_by
+            )
+        found: BaseParameters = self._results["base parameters"]
+        return found
+
+    def _regressor_columns(self, leaders: Sequence[Standard]) -> list[list[Trig]]:
+        columns = regressor_columns(leaders, self.arm, self._ring, *self._motion)
+        return [self._at_rest(column) for column in columns]
+
+    def _counts(self, parameter: BaseParameter, zeros: bool | None) -> bool:
+        if zeros or parameter.value != 0:
+            return True
+        return zeros is None and parameter.leader.name in BODY and self._in_numbers(parameter.link)
+
+    def _in_numbers(self, link: int) -> bool:
+        """Whether a link's mass, centre of mass and tensor are given as numbers."""
+        given = (self._masses, self._cm_positions, self._inertia_tensors)
+        return all(x and not sp.Tuple(x[link - 1]).free_symbols for x in given)
 
     def _friction(self, i: int) -> Any:
         qd = self.qs[i].diff(t)
-        torque = sp.Integer(0)
+        speed = {"FV": qd, "FC": sp.sign(qd), "FD": sp.sign(qd) ** 2}
+        terms = (x * speed[name] for name, x in self._friction_coefficients(i).items())
+        return sum(terms, sp.Integer(0))
+
+    def _friction_coefficients(self, i: int) -> dict[str, Any]:
+        """Viscous (FV); Coulomb, half the sum of both directions (FC) and the difference (FD)."""
+        coefficients = {}
         if self._viscous_friction is not None:
-            torque += self._viscous_friction[i] * qd
+            coefficients["FV"] = self._viscous_friction[i]
         if self._coulomb_friction is not None:
             forward, backward = self._coulomb_friction[i]
-            torque += (forward + backward) / 2 * sp.sign(qd)
-            torque += (forward - backward) / 2 * sp.sign(qd) ** 2
-        return torque
+            coefficients |= {"FC": (forward + backward) / 2, "FD": (forward - backward) / 2}
+        return coefficients
 
     def _taus(self) -> list[Any]:
         return [sp.Symbol(f"tau_{i}") for i in range(1, self.dof + 1)]

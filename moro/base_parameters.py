@@ -1,0 +1,251 @@
+"""The parameters that the torques of an arm can tell apart, and how all others join them.
+
+The energies are linear in the standard parameters (``standard_parameters``). Parameters act on the
+torques alike exactly if their functions K_k, and P_k but for a constant, depend linearly on each
+other, with factors that the geometry fixes. The base parameters are those, counted from the base to
+the tip, whose functions do not depend on the ones before; every other parameter adds to them.
+
+Two steps find the groups:
+
+1. Rules in closed form, from the tip to the base. What of a link does not change when its joint
+   moves acts as if fixed to the link before: of a link that turns, a rod on its axis (YY, MZ, M);
+   of one that slides, its tensor. It moves there by [[S, h], [h^T, m]] -> T [[S, h], [h^T, m]] T^T.
+2. Some more depend near the base: where joints are parallel to the first, gravity is along it, a
+   joint slides before the second direction of turning, or rotors turn. ``independence`` finds them,
+   and proves that the rest are independent: the set is minimal.
+
+Gautier & Khalil, Direct calculation of minimum set of inertial parameters of serial robots, IEEE
+Trans. on Robotics and Automation 6 (1990); Khalil & Dombre, Modeling, Identification and Control of
+Robots (2002), section 9.4, whose names are used: XXR_2 is what XX_2 has become.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import sympy as sp
+
+from moro.chain import Row
+from moro.closed_form import Arm
+from moro.display import Display
+from moro.independence import Independence
+from moro.standard_parameters import (
+    BODY,
+    MOMENTS,
+    TENSOR,
+    Moments,
+    Standard,
+    complement,
+    khalil_rows,
+    rotation_x,
+    rotation_z,
+    values,
+    vector,
+)
+from moro.tables import Table
+from moro.trig import Coefficient, Monomial, Trig, TrigRing
+
+#: what acts as if fixed to the link before, by the type of the joint
+_FIXED = {"r": ("YY", "MZ", "M"), "p": tuple(TENSOR)}
+
+#: characters of a value that still goes into a table
+_SHORT = 80
+
+#: a linear combination of standard parameters
+Form: TypeAlias = "dict[Standard, Trig]"
+
+
+@dataclass(frozen=True)
+class BaseParameter:
+    """A base parameter of an arm."""
+
+    #: the standard parameter that leads the group
+    leader: Standard
+    #: XX_2, or XXR_2 if others have joined it
+    symbol: Any
+    #: of standard parameters XX_1 .. M_n, about the origins of Khalil's frames, and lengths
+    combination: Any
+    #: the same in the symbols and numbers that the model was given
+    value: Any
+    #: SI unit
+    unit: str
+
+    @property
+    def link(self) -> int:
+        """Number of the link (and joint), from 1."""
+        return self.leader.link + 1
+
+
+class BaseParameters(Sequence[BaseParameter]):
+    """The base parameters of an arm, from the base to the tip; prints as a table."""
+
+    def __init__(self, parameters: Iterable[BaseParameter]):
+        self._parameters = tuple(parameters)
+
+    @property
+    def symbols(self) -> list[Any]:
+        """Their symbols."""
+        return [x.symbol for x in self]
+
+    @property
+    def combinations(self) -> sp.Matrix:
+        """Their combinations of standard parameters (b x 1)."""
+        return sp.Matrix(len(self), 1, [x.combination for x in self])
+
+    @property
+    def values(self) -> sp.Matrix:
+        """Their values in the symbols and numbers of the model (b x 1)."""
+        return sp.Matrix(len(self), 1, [x.value for x in self])
+
+    @property
+    def table(self) -> Table:
+        """Symbol, combination, value (if all are short enough) and unit; fractions as decimals."""
+        columns = [self.symbols, map(_decimals, self.combinations), map(_decimals, self.values)]
+        rows = [(*row, x.unit) for row, x in zip(zip(*columns, strict=True), self, strict=True)]
+        headings = ("parameter", "combination", "value", "unit")
+        if all(len(str(value)) <= _SHORT for _, _, value, _ in rows):
+            return Table(headings, rows)
+        return Table((*headings[:2], headings[3]), [(*row[:2], row[3]) for row in rows])
+
+    def __getitem__(self, i: Any) -> Any:
+        return BaseParameters(self._parameters[i]) if isinstance(i, slice) else self._parameters[i]
+
+    def __iter__(self) -> Iterator[BaseParameter]:
+        return iter(self._parameters)
+
+    def __len__(self) -> int:
+        return len(self._parameters)
+
+    def __repr__(self) -> str:
+        return repr(self.table)
+
+    def _repr_latex_(self) -> str:
+        return self.table._repr_latex_()
+
+    def _repr_html_(self) -> str:
+        return self.table._repr_html_()
+
+
+def base_parameters(
+    arm: Arm,
+    friction: Mapping[Standard, Any],
+    ring: TrigRing,
+    rates: Sequence[Any],
+    display: Display,
+) -> BaseParameters:
+    """Return the base parameters of an arm, friction among them.
+
+    Bodies that are not given have no values: there the combinations of standard parameters stand
+    for themselves.
+    """
+    known = values(arm, ring)
+    found = []
+    for leader, form in base_forms(arm, ring, rates).items():
+        joined = "R" if len(form) > 1 else ""
+        symbol = sp.Symbol(f"{leader.name}{joined}_{leader.link + 1}")
+        combination = value = _combination(form, display)
+        if all(x in known for x in form):
+            value = display(sum((factor * known[x] for x, factor in form.items()), ring.zero))
+        found.append(BaseParameter(leader, symbol, combination, value, _unit_of(leader, arm)))
+    for x, value in friction.items():
+        found.append(BaseParameter(x, x.symbol, x.symbol, value, _unit_of(x, arm)))
+    return BaseParameters(sorted(found, key=lambda x: x.leader.place))
+
+
+def _combination(form: Form, display: Display) -> Any:
+    """Return a form as people write it: parameters with the same factors share a bracket."""
+    alike: dict[tuple[Monomial, Coefficient], dict[Any, int]] = {}
+    for x, factor in form.items():
+        for m, c in display.shortened(factor).items():
+            size, sign = (c, 1) if c > 0 else (-c, -1)
+            alike.setdefault((m, size), {})[x.symbol] = sign
+    brackets: dict[Any, Any] = {}
+    for (m, c), signs in alike.items():
+        first = next(iter(signs.values()))
+        inner = sp.Add(*(first * sign * x for x, sign in signs.items()))
+        outer = display.ring.expanded(Trig(display.ring, {m: first * c}))
+        brackets[inner] = brackets.get(inner, 0) + outer
+    return sp.Add(*(outer * inner for inner, outer in brackets.items()))
+
+
+def _decimals(expr: Any) -> Any:
+    fractions = {x for x in expr.atoms(sp.Rational) if not x.is_Integer and abs(x.q) > 12}
+    return expr.xreplace({x: sp.Float(x, 6) for x in fractions})
+
+
+def _unit_of(parameter: Standard, arm: Arm) -> str:
+    turns = arm.rows[parameter.link].kind == "r"
+    if parameter.name in BODY:
+        return {"M": "kg"}.get(parameter.name, "kg m" if parameter.name in MOMENTS else "kg m^2")
+    if parameter.name == "IA":
+        return "kg m^2" if turns else "kg"
+    if parameter.name == "FV":
+        return "N m s/rad" if turns else "N s/m"
+    return "N m" if turns else "N"
+
+
+def base_forms(arm: Arm, ring: TrigRing, rates: Sequence[Any]) -> dict[Standard, Form]:
+    """Return {leading parameter: the combination that joins it}, from the base to the tip.
+
+    ``ring`` knows the arm's angles already; ``rates`` are symbols of the joint velocities. Only
+    geometry and gravity matter, and whether there are rotors: all bodies count as general.
+    """
+    forms: dict[Standard, Form] = {}
+    names = (*BODY, "IA") if arm.rotor_inertias else BODY
+    for i in range(len(arm.rows)):
+        forms |= {Standard(i, name): {Standard(i, name): ring.one} for name in names}
+    _move_to_link_before(forms, khalil_rows(arm), ring)
+    left = sorted(forms, key=lambda x: (x.name == "IA", *x.place))  # rotors join bodies
+    for parameter, factors in Independence(arm, ring, rates).dependences(left).items():
+        form = forms.pop(parameter)
+        for leader, factor in factors.items():
+            _add(forms[leader], factor, form)
+    return {leader: forms[leader] for leader in sorted(forms, key=lambda x: x.place)}
+
+
+def _move_to_link_before(forms: dict[Standard, Form], rows: Sequence[Row], ring: TrigRing) -> None:
+    for i, row in reversed(list(enumerate(rows))):
+        for name in _FIXED[row.kind]:
+            moving = forms.pop(Standard(i, name))
+            if row.kind == "r" and name == "YY":  # a rod has XX = YY
+                _add(forms[Standard(i, "XX")], -ring.one, moving)
+            for target, factor in _seen_from_link_before(row, name, ring).items() if i else ():
+                _add(forms[Standard(i - 1, target)], factor, moving)
+
+
+def _seen_from_link_before(row: Row, name: str, ring: TrigRing) -> dict[str, Trig]:
+    """Return what 1 of a fixed parameter is in the frame before."""
+    twist = rotation_x(row.alpha, ring)
+    if row.kind == "r":
+        d = ring.convert(row.d)
+        p = ring.convert(row.a), twist[1][2] * d, twist[2][2] * d
+        moments = _unit(name, ring, rod=True).turned(twist).displaced(p)
+    else:
+        turn = rotation_z(row.theta, ring)
+        moments = _unit(name, ring).turned(turn).turned(twist)
+    return {target: x for target, x in moments.parameters().items() if x}
+
+
+def _unit(name: str, ring: TrigRing, rod: bool = False) -> Moments:
+    """Return the moments of 1 of a parameter; of a rod along z, YY = XX."""
+    h, I = [0, 0, 0], [[0, 0, 0], [0, 0, 0], [0, 0, 0]]
+    if name in MOMENTS:
+        h[MOMENTS[name]] = 1
+    elif name in TENSOR:
+        j, k = TENSOR[name]
+        I[j][k] = I[k][j] = 1
+        I[0][0] = 1 if rod else I[0][0]
+    x, y, z = (vector(row, ring) for row in I)
+    mass = ring.one if name == "M" else ring.zero
+    return Moments(mass, vector(h, ring), complement((x, y, z), ring.half))
+
+
+def _add(form: Form, factor: Trig, other: Form) -> None:
+    for parameter, x in other.items():
+        total = form.get(parameter, 0) + factor * x
+        if total:
+            form[parameter] = total
+        else:
+            form.pop(parameter, None)

@@ -1,0 +1,72 @@
+"""The regressor of an arm: the torques are linear in its base parameters, tau = Y(q, qd, qdd) p."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import sympy as sp
+
+from moro.closed_form import Arm
+from moro.standard_parameters import BODY, Energies, Standard
+from moro.trig import Trig, TrigRing
+
+
+class Regressor(NamedTuple):
+    """tau = Y p: unpacks as ``Y, p = robot.regressor()``."""
+
+    #: n x b, in q, qd, qdd, lengths and gravity
+    Y: sp.Matrix
+    #: b x 1, values of the base parameters, in the order of ``robot.base_parameters()``
+    p: sp.Matrix
+
+
+def regressor_columns(
+    parameters: Sequence[Standard],
+    arm: Arm,
+    ring: TrigRing,
+    rates: Sequence[Any],
+    accelerations: Sequence[Any],
+) -> list[list[Trig]]:
+    """Return a column of Y for each parameter, by Euler and Lagrange from K_k and P_k.
+
+    Column k is d/dt dK_k/dqd_i - dK_k/dq_i + dP_k/dq_i; ``rates`` and ``accelerations`` are symbols
+    of qd and qdd. Friction adds qd_i, sign(qd_i) and sign(qd_i)^2.
+    """
+    columns = _Columns(arm, ring, rates, accelerations)
+    return [columns.of(x) for x in parameters]
+
+
+class _Columns:
+    def __init__(
+        self, arm: Arm, ring: TrigRing, rates: Sequence[Any], accelerations: Sequence[Any]
+    ):
+        self.ring = ring
+        self._qs = [row.variable for row in arm.rows]
+        self._rates = rates
+        self._qd = [ring.convert(x) for x in rates]
+        self._qdd = [ring.convert(x) for x in accelerations]
+        self._energies = Energies(arm, ring, self._qd)
+
+    def of(self, parameter: Standard) -> list[Trig]:
+        i, name = parameter
+        column = [self.ring.zero] * len(self._qs)
+        if name in (*BODY, "IA"):
+            K, P = self._energies.of(parameter)
+            column[: i + 1] = [self._torque(K, P, j, i) for j in range(i + 1)]
+        elif name == "FV":
+            column[i] = self._qd[i]
+        else:
+            sign = self.ring.convert(sp.sign(self._rates[i]))
+            column[i] = sign if name == "FC" else sign * sign
+        return column
+
+    def _torque(self, K: Trig, P: Trig, j: int, link: int) -> Trig:
+        """Return the torque at joint j; joints after the link do not move it."""
+        diff, q = self.ring.diff, self._qs[j]
+        momentum = diff(K, self._rates[j])
+        torque: Trig = diff(P, q) - diff(K, q)
+        for k in range(link + 1):
+            torque += diff(momentum, self._rates[k]) * self._qdd[k]
+            torque += diff(momentum, self._qs[k]) * self._qd[k]
+        return torque
