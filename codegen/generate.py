@@ -67,6 +67,9 @@ def generate(
     input ("parameters", k). ``rigid`` leaves out rotor inertia and friction.
     """
     parameters = parameters or {}
+    unknown = [name for name in functions if name not in FUNCTIONS]
+    if unknown:
+        raise ValueError(f"unknown functions {unknown}; there are {sorted(FUNCTIONS)}")
     graph = Graph()
     symbols = {symbol: graph.input("parameters", k) for k, symbol in enumerate(parameters)}
     system = System(graph, model.map(Converter(graph, symbols)), rigid)
