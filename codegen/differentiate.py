@@ -1,7 +1,7 @@
 """Derivatives of graphs, forwards: one pass a variable, through the nodes it reaches and no others.
 
-What a joint does not move has no derivative and costs nothing; the sine and the cosine of an angle
-are each other's derivatives, so they are at hand; and the graph makes equal nodes only once, so what the
+What a joint does not move has no derivative and costs nothing. The sine and the cosine of an angle
+are each other's derivatives, so they are at hand. The graph makes equal nodes only once, so what the
 derivatives share with each other, and with the function itself, is computed once.
 """
 
