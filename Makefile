@@ -14,6 +14,9 @@ test: .venv/tests
 lint: .venv/tests
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
+	mkdir -p .venv/types  # mypy cannot follow the names that setuptools maps to folders
+	ln -sfn ../../moro .venv/types/moro
+	ln -sfn ../../codegen .venv/types/moro_codegen
 	$(BIN)/mypy
 
 clean:

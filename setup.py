@@ -1,4 +1,4 @@
-"""The compiled part of the build: ``_runtime.pyx`` needs NumPy's headers, which only code can find."""
+"""The compiled part of the build: only code can find the headers of NumPy that it needs."""
 
 import numpy
 from Cython.Build import cythonize

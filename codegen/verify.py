@@ -69,7 +69,8 @@ class SymbolicRoute:
         evaluate = self._by_closed_form if self.is_closed_form else self._by_formulas
         M, C, G = evaluate(values, qd)
         rigid = np.einsum("ijs,sj->si", M, qdd) + np.einsum("ijs,sj->si", C, qd) + G.T
-        return rigid + _friction(self.robot, qd, parameters)
+        tau: Array = rigid + _friction(self.robot, qd, parameters)
+        return tau
 
     def _by_closed_form(self, values: Mapping[Any, Any], qd: Array) -> tuple[Array, Array, Array]:
         values = {**values, **dict(zip(self._velocities, qd.T, strict=True))}
@@ -160,7 +161,8 @@ def _friction(robot: Robot, qd: Array, parameters: Mapping[Any, float]) -> Array
     vector = robot.friction_vector().xreplace(dict(zip(rates, symbols, strict=True)))
     torque = sp.lambdify([*symbols, *parameters], list(vector), "numpy")
     columns = torque(*qd.T, *parameters.values())
-    return np.stack([np.broadcast_to(x, len(qd)) for x in columns], axis=1).astype(float)
+    friction: Array = np.stack([np.broadcast_to(x, len(qd)) for x in columns], axis=1)
+    return friction.astype(float)
 
 
 def _states(robot: Robot, states: int, rng: np.random.Generator) -> tuple[Array, Array, Array]:
@@ -196,4 +198,5 @@ def _scale(tau: Array) -> Array:
     """Return the largest torque of each state, at least a millionth of the largest of all."""
     largest = np.max(np.abs(tau), axis=1)
     floor = max(1e-6 * float(np.max(largest)), np.finfo(float).tiny)
-    return np.maximum(largest, floor)
+    scale: Array = np.maximum(largest, floor)
+    return scale
