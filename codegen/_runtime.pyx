@@ -50,9 +50,11 @@ cdef extern from "numpy/arrayobject.h":
     int PyArray_CheckExact(PyObject *)
     int PyArray_TYPE(PyArrayObject *)
     int PyArray_NDIM(PyArrayObject *)
+    int PyArray_ISBEHAVED(PyArrayObject *)
     int PyArray_ISCARRAY(PyArrayObject *)
     int PyArray_ISCARRAY_RO(PyArrayObject *)
     np.npy_intp *PyArray_DIMS(PyArrayObject *)
+    np.npy_intp *PyArray_STRIDES(PyArrayObject *)
     void *PyArray_DATA(PyArrayObject *)
     object PyArray_EMPTY(int, np.npy_intp *, int, int)
 
@@ -185,9 +187,9 @@ cdef struct Shape:
 cdef class Function:
     """A function of a kernel's library: ``call(*inputs, parameters=None, out=None)``.
 
-    Aligned, contiguous float64 arrays of just the right shapes go straight to C; float64 arrays of
-    many samples, to ``gufunc``. All other calls go to ``general``, a Python function with the same
-    arguments.
+    Aligned, contiguous float64 arrays of just the right shapes go straight to C; other float64
+    arrays that need no check but of their shapes, to ``gufunc``. All other calls go to ``general``,
+    a Python function with the same arguments.
     """
 
     cdef readonly Library library
@@ -292,14 +294,26 @@ cdef object _call(object self, PyObject **args, Py_ssize_t nargs, PyObject *keyw
         if _write_to(function, out, data):
             moro_apply(function.single, function.n_arguments, data)
             return <object>out
-    if function.straight and out == Py_None and _broadcasts(function, args, nargs, parameters):
-        if not function.parametric:
-            return PyObject_Vectorcall(function.gufunc, args, nargs, NULL)
-        return function.gufunc(
-            *[<object>args[i] for i in range(nargs)],
-            function.defaults if parameters == Py_None else <object>parameters,
-        )
+    if function.straight and _broadcasts(function, args, nargs, parameters, out):
+        return _many(function, args, nargs, parameters, out)
     return PyObject_Vectorcall(function.general, args, nargs, keywords)
+
+
+cdef object _many(
+    Function function, PyObject **args, Py_ssize_t nargs, PyObject *parameters, PyObject *out
+):
+    """Call the gufunc."""
+    cdef PyObject *operands[STRAIGHT + 1]
+    cdef Py_ssize_t i, n = nargs
+    for i in range(nargs):
+        operands[i] = args[i]
+    if function.parametric:
+        operands[n] = <PyObject *>function.defaults if parameters == Py_None else parameters
+        n += 1
+    if out != Py_None:
+        operands[n] = out
+        n += 1
+    return PyObject_Vectorcall(function.gufunc, operands, n, NULL)
 
 
 cdef bint _read(
@@ -324,17 +338,24 @@ cdef bint _read(
 
 
 cdef bint _broadcasts(
-    Function function, PyObject **args, Py_ssize_t nargs, PyObject *parameters
+    Function function, PyObject **args, Py_ssize_t nargs, PyObject *parameters, PyObject *out
 ) noexcept:
-    """Tell whether the inputs are arrays of doubles that a gufunc takes without complaint.
+    """Tell whether the arguments are arrays of doubles that a gufunc takes without complaint.
 
-    The axes in front of those of one sample must be the same in all inputs, or missing.
+    The axes in front of those of one sample must be the same in all inputs, or missing; a result's
+    memory must be apart from theirs.
     """
     cdef Py_ssize_t i, n = function.n_inputs - function.parametric
     cdef np.npy_intp *samples = NULL
-    cdef int axes = 0, axis, leading
+    cdef int axes = 0, leading
     cdef PyObject *array
     if nargs != n or (parameters != Py_None and not function.parametric):
+        return False
+    if out != Py_None and (
+        function.n_arguments - function.n_inputs != 1
+        or _samples_axes(out, &function.shapes[function.n_inputs]) < 0
+        or not PyArray_ISBEHAVED(<PyArrayObject *>out)
+    ):
         return False
     for i in range(function.n_inputs):
         if i < n:
@@ -342,14 +363,17 @@ cdef bint _broadcasts(
         else:
             array = <PyObject *>function.defaults if parameters == Py_None else parameters
         leading = _samples_axes(array, &function.shapes[i])
-        if leading < 0 or (leading > 0 and samples is not NULL and leading != axes):
+        if leading < 0 or (out != Py_None and _meet(array, out)):
             return False
-        if leading > 0 and samples is NULL:
-            samples, axes = PyArray_DIMS(<PyArrayObject *>array), leading
-        for axis in range(leading):
-            if PyArray_DIMS(<PyArrayObject *>array)[axis] != samples[axis]:
+        if leading > 0:
+            if samples is NULL:
+                samples, axes = PyArray_DIMS(<PyArrayObject *>array), leading
+            if not _begins_with(array, leading, samples, axes):
                 return False
-    return True
+    if out == Py_None:
+        return True
+    leading = _samples_axes(out, &function.shapes[function.n_inputs])
+    return _begins_with(out, leading, samples, axes) and _is_spread(out)
 
 
 cdef inline int _samples_axes(PyObject *array, Shape *shape) noexcept:
@@ -363,6 +387,49 @@ cdef inline int _samples_axes(PyObject *array, Shape *shape) noexcept:
         if leading < 0 or PyArray_DIMS(a)[leading + axis] != shape.sizes[axis]:
             return -1
     return leading
+
+
+cdef inline bint _begins_with(
+    PyObject *array, int leading, np.npy_intp *samples, int axes
+) noexcept:
+    """Tell whether the axes in front are just those of the samples."""
+    cdef int axis
+    if leading != axes:
+        return False
+    for axis in range(axes):
+        if PyArray_DIMS(<PyArrayObject *>array)[axis] != samples[axis]:
+            return False
+    return True
+
+
+cdef bint _meet(PyObject *one, PyObject *other) noexcept:
+    """Tell whether two arrays reach into each other, from their first to their last bytes."""
+    cdef char *first[2]
+    cdef char *end[2]
+    cdef PyArrayObject *a
+    cdef int k, axis
+    cdef np.npy_intp reach
+    for k in range(2):
+        a = <PyArrayObject *>(other if k else one)
+        first[k] = <char *>PyArray_DATA(a)
+        end[k] = first[k] + sizeof(double)
+        for axis in range(PyArray_NDIM(a)):
+            reach = PyArray_STRIDES(a)[axis] * (PyArray_DIMS(a)[axis] - 1)
+            if reach > 0:
+                end[k] += reach
+            else:
+                first[k] += reach
+    return first[0] < end[1] and first[1] < end[0]
+
+
+cdef bint _is_spread(PyObject *array) noexcept:
+    """Tell whether no axis stays in one place."""
+    cdef PyArrayObject *a = <PyArrayObject *>array
+    cdef int axis
+    for axis in range(PyArray_NDIM(a)):
+        if PyArray_STRIDES(a)[axis] == 0 and PyArray_DIMS(a)[axis] > 1:
+            return False
+    return True
 
 
 cdef bint _write_to(Function function, PyObject *out, double **data) noexcept:

@@ -10,6 +10,7 @@ import difflib
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -26,6 +27,7 @@ Run: TypeAlias = Callable[[Sequence[Array], Sequence[Array]], None]
 OVERLAP_WORK = 10_000
 
 _OPTIONAL = ("parameters", "out")
+_KEYWORDS = frozenset(_OPTIONAL)
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ class Signature:
         """The shapes as NumPy writes them for its generalized functions: (6),(6),(6)->(6)."""
         return core_shapes(self.inputs, self.outputs)
 
-    @property
+    @cached_property
     def given(self) -> tuple[Argument, ...]:
         """The inputs that a call must name: all but the run-time parameters."""
         return self.inputs[:-1] if self.parameters else self.inputs
@@ -163,8 +165,12 @@ class Signature:
         )
         return function
 
-    def _bind(self, args: Sequence[Any], keywords: Mapping[str, Any]) -> tuple[Any, Any, Any]:
+    def _bind(
+        self, args: Sequence[Any], keywords: Mapping[str, Any]
+    ) -> tuple[Sequence[Any], Any, Any]:
         """Return the inputs in order, the parameters and ``out``."""
+        if len(args) == len(self.given) and keywords.keys() <= _KEYWORDS:
+            return args, keywords.get("parameters"), keywords.get("out")
         names = [*[a.name for a in self.given], *_OPTIONAL]
         if len(args) > len(names):
             raise TypeError(f"{self.call} takes {len(names)} arguments, found {len(args)}")
@@ -192,7 +198,7 @@ class Signature:
                 f"({_short(value)})"
             )
         core = argument.shape
-        if array.ndim < len(core) or array.shape[array.ndim - len(core) :] != core:
+        if array.shape[max(array.ndim - len(core), 0) :] != core:
             raise ValueError(
                 f"{self.name}: {argument.name} ({argument.description}) must have shape "
                 f"{_shape_text(core)}, found {array.shape}"
