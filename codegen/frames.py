@@ -35,7 +35,7 @@ def equivalent_postures(arm: Posture) -> Iterator[Posture]:
     leaves, parallel = turnable_leaves(arm), turnable_parallels(arm)
     for constants_only in (False, True) if _has_parameters(arm) else (False,):
         moved = reduced(arm, constants_only=constants_only)
-        for turned in {leaves | parallel, leaves, parallel, frozenset()}:
+        for turned in dict.fromkeys([leaves | parallel, leaves, parallel, frozenset()]):
             yield unturned(in_unit(moved, turned), turned)
 
 

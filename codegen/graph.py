@@ -88,6 +88,7 @@ class Graph:
 
     def __init__(self) -> None:
         self._nodes: dict[tuple[Any, ...], Node] = {}
+        self._constants: dict[Constant, Node] = {}
         self.zero = self.constant(0)
         self.one = self.constant(1)
 
@@ -102,14 +103,14 @@ class Graph:
         """Return a constant; a node is returned as it is."""
         if isinstance(value, Node):
             return value
-        if isinstance(value, float):
-            if not math.isfinite(value):
+        node = self._constants.get(value)
+        if node is None:
+            if isinstance(value, float) and not math.isfinite(value):
                 raise ValueError(f"a constant must be finite, not {value}")
-            if value.is_integer():
-                value = Fraction(value)
-        else:
-            value = Fraction(value)
-        return self._node("const", (), value)
+            exact = not isinstance(value, float) or value.is_integer()
+            number = Fraction(value) if exact else float(value)
+            node = self._constants[value] = self._node("const", (), number)
+        return node
 
     def input(self, name: str, index: int) -> Node:
         """Return entry ``index`` (flat, row-major) of the argument ``name``."""

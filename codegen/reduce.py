@@ -37,11 +37,11 @@ class FixedPoint(NamedTuple):
     p: tuple[Constant, Constant, Constant]
 
 
-def reduced(arm: Posture, *, constants_only: bool = False) -> Posture:
+def reduced(arm: Posture, *, balanced: bool = True, constants_only: bool = False) -> Posture:
     """Return the arm with its moments in as few numbers as possible, and the same torques.
 
-    ``constants_only`` leaves alone what depends on run-time parameters: moving it costs operations
-    in every call.
+    ``balanced``: masses are left with outer links. ``constants_only`` leaves alone what depends on
+    run-time parameters: moving it costs operations in every call.
     """
     links = list(arm.links)
     children, pulled = arm.children, _pulled(arm)
@@ -53,7 +53,7 @@ def reduced(arm: Posture, *, constants_only: bool = False) -> Posture:
 
     for i in reversed(range(len(links))):
         link = links[i]
-        if pulled[i]:
+        if balanced and pulled[i]:
             points = [p for p in _fixed_points(links, children, i) if p.outer in accelerated]
             for point, mass in _balancing_masses(link.body.h, points, heaviest):
                 put(point.outer, Moments(mass))

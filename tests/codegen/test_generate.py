@@ -171,7 +171,7 @@ def test_a_payload_costs_little():
         model.name, model.joints, (*model.bodies[:-1], heavier), model.gravity, model.tip
     )
     ops = tau(loaded, rigid=True, parameters={payload: 0}).ops
-    assert arithmetic(ops) <= OPERATIONS["ur5"] + 90
+    assert arithmetic(ops) <= OPERATIONS["ur5"] + 35
 
 
 def test_what_is_not_a_parameter():

@@ -1,0 +1,156 @@
+"""What each pass saves: operations of tau with and without it, and the time to generate.
+
+    python benchmarks/operations.py            prints the tables
+    python benchmarks/operations.py --write    writes benchmarks/results/operations.json too
+
+Operations are additions, subtractions and multiplications of the rigid bodies' torques, without
+friction and rotor inertia; + k: pairs of sine and cosine. Times are of one core, best of five, from
+the exact model to the program (no text, no compiler).
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import json
+import platform
+import time
+from collections.abc import Collection
+from pathlib import Path
+
+import sympy as sp
+from moro_codegen.convert import Converter
+from moro_codegen.factor import factored
+from moro_codegen.frames import (
+    in_unit,
+    on_common_normals,
+    turnable_leaves,
+    turnable_parallels,
+    unturned,
+)
+from moro_codegen.functions import System
+from moro_codegen.generate import generate
+from moro_codegen.graph import Graph, count, fewest, schedule
+from moro_codegen.reduce import reduced
+
+import moro as mr
+from moro.abc import joint_variable
+from moro.algorithms.newton_euler import joint_torques
+from moro.model import Model
+
+ARMS = ("puma560", "stanford_arm", "panda", "ur5", "two_link")
+PASSES = (
+    "common normals",
+    "base parameters",
+    "balancing masses",
+    "unit of length",
+    "last links not turned",
+    "parallel axes summed",
+    "common factors",
+)
+JOINTS = (5, 10, 20, 50)
+RESULTS = Path(__file__).parent / "results" / "operations.json"
+
+Count = tuple[int, int]
+
+
+def operations(model: Model, passes: Collection[str]) -> Count:
+    """Return the operations of tau, and its sine-cosine pairs, with some of the passes."""
+    graph = Graph()
+    system = System(graph, model.map(Converter(graph, {})))
+    q, qd, qdd = ([graph.input(x, i) for i in range(model.dof)] for x in ("q", "qd", "qdd"))
+    arm = system.posture(q)
+    leaves = turnable_leaves(arm) if "last links not turned" in passes else frozenset()
+    parallels = turnable_parallels(arm) if "parallel axes summed" in passes else frozenset()
+    if "common normals" in passes:
+        arm = on_common_normals(arm)
+    if "base parameters" in passes:
+        arm = reduced(arm, balanced="balancing masses" in passes)
+    alternatives = []
+    for turned in (frozenset(), leaves, parallels, leaves | parallels):
+        scaled = in_unit(arm, turned) if "unit of length" in passes else arm
+        alternatives.append(joint_torques(unturned(scaled, turned), qd, qdd))
+    tau = fewest(alternatives, graph)
+    ops = count(schedule(factored(tau) if "common factors" in passes else tau))
+    return ops["add"] + ops["sub"] + ops["mul"], ops["sincos"]
+
+
+def table() -> dict[str, dict[str, Count]]:
+    """Return the operations of every arm: as passes come one after the other, and without each."""
+    models = {name: mr.load(name).model() for name in ARMS}
+    rows: dict[str, Collection[str]] = {"Newton-Euler, constants folded": ()}
+    for i, name in enumerate(PASSES):
+        rows[f"+ {name}"] = PASSES[: i + 1]
+    for name in PASSES:
+        rows[f"all but {name}"] = [other for other in PASSES if other != name]
+    found = {
+        row: {arm: operations(model, passes) for arm, model in models.items()}
+        for row, passes in rows.items()
+    }
+    for arm, model in models.items():
+        ops = generate(model, rigid=True).routines[0].ops
+        generated = ops["add"] + ops["sub"] + ops["mul"], ops["sincos"]
+        if generated != found[f"+ {PASSES[-1]}"][arm]:
+            raise AssertionError(f"{arm}: generate() has {generated}")
+    return found
+
+
+def seconds(model: Model) -> float:
+    """Return the time to generate tau, friction included."""
+    times = []
+    for _ in range(5):
+        start = time.process_time()
+        generate(model)
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def long_arm(n: int) -> Model:
+    """Return an arm of n joints, axes alternating, with full tensors and every distance."""
+    figures = itertools.count(1)
+
+    def number() -> sp.Rational:
+        return sp.Rational(next(figures) * 619 % 997, 1000)
+
+    rows = [(number(), (-1) ** i * sp.pi / 2, number(), joint_variable(i)) for i in range(1, n + 1)]
+    robot = mr.Robot(*rows, convention="mdh")
+    robot.masses = [number() for _ in rows]
+    robot.cm_positions = [[number() for _ in "xyz"] for _ in rows]
+    tensors = []
+    for _ in rows:
+        points = sp.Matrix(3, 3, lambda *_: number())
+        second = points * points.T
+        tensors.append(second.trace() * sp.eye(3) - second)
+    robot.inertia_tensors = tensors
+    robot.gravity = [0, 0, sp.Rational("-9.81")]
+    return robot.model()
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--write", action="store_true", help=f"write {RESULTS.name}")
+    arguments = parser.parse_args()
+    found = table()
+    width = max(map(len, found))
+    print(" " * width, *(f"{arm:>13}" for arm in ARMS))
+    for row, counts in found.items():
+        print(f"{row:{width}}", *(f"{n:>9} + {k}" for n, k in counts.values()))
+    times = {arm: seconds(mr.load(arm).model()) for arm in ARMS}
+    print(f"{'time to generate [ms]':{width}}", *(f"{1e3 * t:>13.1f}" for t in times.values()))
+    growth = {}
+    print("\njoints  operations  operations/joint  time [ms]  time/joint [ms]")
+    for n in JOINTS:
+        model = long_arm(n)
+        ops, spent = operations(model, PASSES)[0], seconds(model)
+        growth[n] = {"operations": ops, "seconds": spent}
+        print(f"{n:6}  {ops:10}  {ops / n:16.1f}  {1e3 * spent:9.1f}  {1e3 * spent / n:15.2f}")
+    if arguments.write:
+        RESULTS.parent.mkdir(exist_ok=True)
+        machine = {"python": platform.python_version(), "processor": platform.machine()}
+        results = {"operations": found, "seconds": times, "growth": growth, "machine": machine}
+        RESULTS.write_text(json.dumps(results, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()
