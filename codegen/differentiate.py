@@ -1,8 +1,8 @@
 """Derivatives of graphs, forwards: one pass a variable, through the nodes it reaches and no others.
 
 What a joint does not move has no derivative and costs nothing. The sine and the cosine of an angle
-are each other's derivatives, so they are at hand. The graph makes equal nodes only once, so what the
-derivatives share with each other, and with the function itself, is computed once.
+are each other's derivatives, so they are at hand. The graph makes equal nodes only once, so what
+the derivatives share with each other, and with the function itself, is computed once.
 """
 
 from __future__ import annotations
