@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test lint bench clean
+.PHONY: demo test lint docs figures bench clean
 .DELETE_ON_ERROR:
 
 demo: .venv/installed
@@ -19,8 +19,15 @@ lint: .venv/tests
 	ln -sfn ../../codegen .venv/types/moro_codegen
 	$(BIN)/mypy
 
+docs: .venv/docs
+	$(BIN)/sphinx-build -q -W --keep-going -b html docs docs/_build/html
+	@echo docs/_build/html/index.html
+
+figures: .venv/docs
+	$(BIN)/python docs/figures/draw.py
+
 clean:
-	rm -rf .venv build/bdist.* build/lib* build/temp.* *.egg-info codegen/_runtime.c codegen/*.so
+	rm -rf docs/_build .venv build/bdist.* build/lib* build/temp.* *.egg-info codegen/_runtime.c codegen/*.so
 
 .venv/bin/python:
 	$(PYTHON) -m venv .venv
@@ -32,4 +39,8 @@ clean:
 
 .venv/tests: .venv/installed
 	$(BIN)/python -m pip install --quiet --editable ".[test,lint]"
+	touch $@
+
+.venv/docs: .venv/installed
+	$(BIN)/python -m pip install --quiet --editable ".[docs]"
 	touch $@

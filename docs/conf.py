@@ -1,0 +1,31 @@
+"""Sphinx configuration. ``make docs`` builds docs/_build/html, which needs no network to read."""
+
+import sys
+from importlib import metadata
+from pathlib import Path
+
+import ziamath
+
+sys.path.insert(0, str(Path(__file__).parent / "_extensions"))
+
+project = "moro"
+release = metadata.version("moro")
+
+extensions = ["mathml", "myst_parser", "sphinx.ext.autodoc"]
+exclude_patterns = ["_build"]
+
+myst_enable_extensions = ["amsmath", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+
+math_renderer = "mathml"
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+add_module_names = False
+
+html_theme = "furo"
+html_title = "moro"
+html_css_files = ["moro.css"]
+html_copy_source = False
+html_show_copyright = False
+# the one font that browsers need for formulas and not every system has
+html_static_path = ["_static", str(Path(ziamath.__file__).parent / "fonts/STIXTwoMath-Regular.ttf")]

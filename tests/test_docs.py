@@ -1,0 +1,80 @@
+"""The documentation tells the truth: every sample runs, every output is the one shown."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import pkgutil
+import re
+from pathlib import Path
+
+import pytest
+from sybil import Example, Sybil
+from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser
+
+import moro
+from moro import Robot, load
+
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+MODULES = ["moro", *(m.name for m in pkgutil.walk_packages(moro.__path__, "moro."))]
+
+# a long line of output is shown as several
+FLAGS = doctest.NORMALIZE_WHITESPACE
+
+
+def write_robot_file(example: Example) -> None:
+    """Put a robot file of a page where its samples find it: in the current folder."""
+    text = str(example.parsed)
+    name = re.match(r"# (\S+\.yaml)\n", text)
+    path = Path(name[1] if name else "robot.yaml")
+    path.write_text(text, encoding="utf-8")
+    if not path.stem.startswith("broken"):
+        load(path)
+
+
+SAMPLES = Sybil(
+    [PythonCodeBlockParser(doctest_optionflags=FLAGS), CodeBlockParser("yaml", write_robot_file)]
+)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_samples_of_a_page(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))  # kernels are built, not found
+    for example in SAMPLES.parse(page):
+        example.evaluate()
+
+
+def test_pages_have_samples() -> None:
+    counts = {page.name: len(list(SAMPLES.parse(page))) for page in PAGES}
+    assert counts["tutorial.md"] > 20
+    assert counts["README.md"] > 3
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_samples_of_docstrings(name: str) -> None:
+    module = importlib.import_module(name)
+    assert doctest.testmod(module, optionflags=FLAGS).failed == 0
+
+
+def test_a_wrong_output_is_found(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("```python\n>>> 1 + 1\n3\n```\n")
+    (example,) = SAMPLES.parse(page)
+    with pytest.raises(AssertionError, match="3"):
+        example.evaluate()
+
+
+def test_names_lists_every_public_name_of_robot() -> None:
+    text = (ROOT / "docs/names.md").read_text(encoding="utf-8")
+    cells = re.findall(r"^\| (`[^|]+) \|", text, re.MULTILINE)
+    listed = {name for cell in cells for name in re.findall(r"`(?:Robot\.)?(\w+)", cell)}
+    public = {name for name in dir(Robot) if not name.startswith("_")}
+    assert listed - {"Robot", "moro"} == public
+
+
+def test_every_link_in_the_pages_leads_somewhere() -> None:
+    for page in PAGES:
+        for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"
