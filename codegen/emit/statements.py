@@ -146,6 +146,7 @@ class _Writer:
         self.names = Names(self.reserved)
         self.uses = Counter(a for node in routine.schedule for a in node.args)
         self.uses.update(routine.results)
+        self.turns = {(n.op, n.args[0]) for n in routine.schedule if n.op in ("sin", "cos")}
         self.result_names = self._result_names()
         self.inputs = self._input_names()
 
@@ -191,10 +192,9 @@ class _Writer:
     def _pair_names(self, angle: Node) -> tuple[str, str]:
         """Name sine and cosine of q2 s2, c2, of q2 + q3 s23, c23, of q2 - q3 s2m3, c2m3."""
         suffix = self._joints(angle) or f"_{len(self.pairs) + 1}"
-        used = {node.op for node in self.routine.schedule if node.args == (angle,)}
         return (
-            self.names.take("s" + suffix) if "sin" in used else "",
-            self.names.take("c" + suffix) if "cos" in used else "",
+            self.names.take("s" + suffix) if ("sin", angle) in self.turns else "",
+            self.names.take("c" + suffix) if ("cos", angle) in self.turns else "",
         )
 
     def _joints(self, angle: Node) -> str:

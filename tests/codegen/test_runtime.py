@@ -3,6 +3,7 @@
 import gc
 import inspect
 import pickle
+import shutil
 import sys
 import threading
 import warnings
@@ -10,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from arms import reference_model, reference_states
+from arms import random_model, reference_model, reference_states
 from moro_codegen import Kernel
 from moro_codegen._runtime import Function, Library, gufunc
 from moro_codegen.functions import Function as Entry
@@ -61,6 +62,24 @@ def test_batches_are_single_calls_to_the_last_bit(compiled, n):
     tau = compiled.tau(q, qd, qdd)
     assert tau.shape == (n, 6)
     assert np.array_equal(tau, one_by_one(compiled.tau, q, qd, qdd))
+
+
+@pytest.mark.parametrize("compiler", [c for c in ("gcc", "clang") if shutil.which(c)])
+@pytest.mark.parametrize("seed", range(3))
+def test_random_arms(tmp_path, monkeypatch, compiler, seed):
+    """Single calls, batches and the graph, of arms of every kind, by every compiler at hand."""
+    monkeypatch.setenv("CC", compiler)
+    rng = np.random.default_rng(seed)
+    program = generate(random_model(rng, int(rng.integers(2, 8)), tree=seed == 2))
+    kernel = build(program, tmp_path / "arm")
+    q, qd, qdd = rng.uniform(-3, 3, (3, 60, program.dof))
+    qd[::5] = 0
+    tau = kernel.tau(q, qd, qdd)
+    single = [kernel.tau(*rows) for rows in zip(q, qd, qdd, strict=True)]
+    assert np.array_equal(tau, single)
+    (expected,) = evaluate(program.routines[0], q, qd, qdd)
+    scale = np.abs(expected).max(axis=1, keepdims=True)
+    assert np.abs((tau - expected) / scale).max() < 1e-13
 
 
 def test_the_same_as_numpy_on_the_same_graph(hand_made):

@@ -31,7 +31,7 @@ def test_the_first_of_the_usual_names(monkeypatch):
     compiler = find_compiler()
     assert compiler.command[0] == next(name for name in CANDIDATES if shutil.which(name))
     assert "GCC" in compiler.version or "lang" in compiler.version
-    assert compiler.flags[-1] in ("-march=native", "-mcpu=native")
+    assert {"-march=native", "-mcpu=native"} & set(compiler.flags)
     assert "-ffast-math" not in compiler.flags
 
 
