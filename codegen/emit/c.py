@@ -88,7 +88,11 @@ def emit(program: Program) -> dict[str, str]:
         header: render(
             "kernel.h.jinja",
             title=f"{program.name}: dynamics of a robot arm with {program.dof} joints",
-            notes=conventions(program),
+            notes=[
+                *conventions(program),
+                "",
+                "No allocation, no state, no locks: safe in real-time loops and from several threads.",
+            ],
             guard=f"{program.name.upper()}_H",
             **common,
         ),
