@@ -482,6 +482,6 @@ def _rational(c: Coefficient) -> Any:
 def _numeric(meaning: Any, values: Mapping[Any, Any]) -> Any:
     if meaning in values:
         return values[meaning]
-    arguments = sorted(meaning.free_symbols | meaning.atoms(sp.Function), key=str)
-    known = [a for a in arguments if a in values]
-    return sp.lambdify(known, meaning, "numpy")(*(values[a] for a in known))
+    plain = {x: sp.Dummy() for x in values if meaning.has(x)}  # for functions and derivatives too
+    function = sp.lambdify(list(plain.values()), meaning.xreplace(plain), "numpy")
+    return function(*(values[x] for x in plain))
