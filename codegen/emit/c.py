@@ -91,7 +91,7 @@ def emit(program: Program) -> dict[str, str]:
             notes=[
                 *conventions(program),
                 "",
-                "No allocation, no state, no locks: safe in real-time loops and from several threads.",
+                "No allocation, no state, no locks: safe in real-time loops and several threads.",
             ],
             guard=f"{program.name.upper()}_H",
             **common,
