@@ -1,7 +1,8 @@
 """Inverse dynamics by the recursive Newton-Euler algorithm, over any scalar.
 
 Luh, Walker & Paul 1980, in the form of Khalil & Dombre (2002, ch. 9): vectors in the frame of the
-link they belong to, wrenches about its origin. Rotation enters through the one matrix
+link they belong to, wrenches about its origin; X_p is the parent's X, R the rotation that takes
+components from the link's axes to the parent's. Angular motion enters through the one matrix
 
     U = [alpha]x + [omega]x [omega]x,
 
