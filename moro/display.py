@@ -32,10 +32,10 @@ _MAX_DENOMINATOR = 8
 
 @dataclass(frozen=True)
 class Group:
-    """A part of a sum: ``scale * front * sum of terms``, ``front`` a monomial."""
+    """A part of a sum: ``scale * sum of fronts * sum of terms``."""
 
     scale: Coefficient
-    front: Monomial
+    fronts: Terms
     terms: Terms
 
 
@@ -78,6 +78,10 @@ class Display:
         if isinstance(expr, sp.MatrixBase):
             return expr.applyfunc(self.simplified)
         return self(self.ring.convert(expr))
+
+    def over(self, ring: TrigRing, inertial: Iterable[Any]) -> Display:
+        """Return a display that writes alike, for another ring and its masses and inertias."""
+        return Display(ring, inertial, self._velocity_symbols, self._decimal)
 
     # -- shorter terms ----------------------------------------------------------------------------
 
@@ -157,9 +161,8 @@ class Display:
         return sp.Add(*brackets)
 
     def _bracket(self, group: Group) -> Any:
-        return sp.Mul(
-            self._number(group.scale), self._monomial(group.front), self._inner(group.terms)
-        )
+        front, inner = self._sum(group.fronts), self._inner(group.terms)
+        return sp.Mul(self._number(group.scale), front, inner)
 
     def _inner(self, terms: Terms) -> Any:
         """Return the terms as they are, or grouped by masses and inertias where that is shorter."""
@@ -169,23 +172,31 @@ class Display:
         found = self._brackets.get(key)
         if found is None:
             groups = self._grouped(terms, self.ring.mask(self._inertial_symbols))
-            flat = [Group(1, 0, terms)]
+            flat = [Group(1, {0: 1}, terms)]
             best = groups if self._cost(groups) < self._cost(flat) else flat
             found = self._brackets[key] = sp.Add(
                 *(
-                    sp.Mul(self._number(g.scale), self._monomial(g.front), self._flat(g.terms))
+                    sp.Mul(self._number(g.scale), self._flat(g.fronts), self._flat(g.terms))
                     for g in best
                 )
             )
         return found
 
     def _grouped(self, terms: Terms, mask: int) -> list[Group]:
-        groups = []
+        """Group by the factors in ``mask``; those with equal brackets share one."""
+        shared: dict[Any, tuple[Terms, Terms]] = {}
         for key, part in self._parts(terms, mask).items():
             common = self._common(part)
             front, part = key + common, {m - common: c for m, c in part.items()}
             scale, part = _extracted(part) if front else (1, part)
-            groups.append(Group(scale, front, part))
+            _, fronts = shared.setdefault(
+                frozenset(part.items()) if len(part) > 1 else front, (part, {})
+            )
+            fronts[front] = scale
+        groups = []
+        for part, fronts in shared.values():
+            scale, fronts = _extracted(fronts)
+            groups.append(Group(scale, fronts, part))
         return groups
 
     @staticmethod
@@ -217,10 +228,12 @@ class Display:
     def _cost(self, groups: list[Group]) -> int:
         total = -1
         for group in groups:
-            inside = sum(self._term_cost(m, c) for m, c in group.terms.items())
-            factors = 1 + (abs(group.scale) != 1) + (group.front != 0 and group.terms != {0: 1})
-            total += factors + inside + len(group.terms) - 1 + self._monomial_cost(group.front)
+            factors = 1 + (abs(group.scale) != 1) + (group.fronts != {0: 1} != group.terms)
+            total += factors + self._sum_cost(group.fronts) + self._sum_cost(group.terms)
         return total
+
+    def _sum_cost(self, terms: Terms) -> int:
+        return sum(self._term_cost(m, c) for m, c in terms.items()) + len(terms) - 1
 
     def _term_cost(self, m: Monomial, c: Coefficient) -> int:
         return self._monomial_cost(m) + (1 if m and c not in (1, -1) else 0)
