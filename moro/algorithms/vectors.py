@@ -57,3 +57,30 @@ def dyad(u: Vector, v: Vector) -> Matrix:
 def sum_of(A: Matrix, B: Matrix) -> Matrix:
     """Return A + B."""
     return add(A[0], B[0]), add(A[1], B[1]), add(A[2], B[2])
+
+
+def difference(A: Matrix, B: Matrix) -> Matrix:
+    """Return A - B."""
+    a, b, c = (tuple(x - y for x, y in zip(u, v, strict=True)) for u, v in zip(A, B, strict=True))
+    return a, b, c
+
+
+def skew(u: Vector) -> Matrix:
+    """Return [u]x, the matrix of the cross product: [u]x v = u x v."""
+    return (0, -u[2], u[1]), (u[2], 0, -u[0]), (-u[1], u[0], 0)
+
+
+def diagonal(x: Scalar) -> Matrix:
+    """Return x 1."""
+    return (x, 0, 0), (0, x, 0), (0, 0, x)
+
+
+def trace(A: Matrix) -> Scalar:
+    """Return the sum of the diagonal."""
+    return A[0][0] + A[1][1] + A[2][2]
+
+
+def symmetric(A: Matrix) -> Matrix:
+    """Return the symmetric matrix with the diagonal of A and what is above it."""
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = A
+    return (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)

@@ -108,11 +108,11 @@ def exact_state(rng, n):
 def point_torques(model, points, sincos, q, qd, qdd):
     """Return the torques by d'Alembert's principle."""
     n = model.dof
-    moving = _positions(model, points, _paths(sincos, q, qd, qdd))
+    moving = moving_points(model, points, sincos, q, qd, qdd)
     torques = []
     for i in range(n):
         unit = [int(k == i) for k in range(n)]
-        varied = _positions(model, points, _paths(sincos, q, unit, [0] * n))
+        varied = moving_points(model, points, sincos, q, unit, [0] * n)
         torques.append(
             sum(
                 m * (2 * x.c[2] - g) * dx.c[1]
@@ -136,8 +136,9 @@ def _paths(sincos, q, qd, qdd):
     ]
 
 
-def _positions(model, points, paths):
-    """Return (mass, position in the base) of every point in time."""
+def moving_points(model, points, sincos, q, qd, qdd):
+    """Return (mass, position in the base, as series in time) of every point."""
+    paths = _paths(sincos, q, qd, qdd)
     return [
         (m, _in_base(model, i, tuple(Series(x) for x in r), paths))
         for i, own in enumerate(points)

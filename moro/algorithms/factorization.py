@@ -1,0 +1,54 @@
+"""M = L^T D L and the solution of M x = b, over any scalar.
+
+Featherstone 2008 (sec. 6.5): where elimination goes from the tips to the base, an entry of M that
+is zero because two joints are on different branches of the tree stays zero. D_j is the inertia that
+joint j feels in the articulated body algorithm. ``+ - *`` are asked of the scalars, and one
+division for every row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from moro.algorithms.posture import Link
+from moro.algorithms.transport import ancestors
+from moro.model import Scalar
+
+
+class Factors(NamedTuple):
+    """M = L^T D L: L is 1 on its diagonal, and 0 but for the columns of joints further in."""
+
+    L: list[list[Scalar]]
+    #: 1 / D_j
+    reciprocals: list[Scalar]
+    #: the joints further in than joint j, from its parent to the base
+    inner: list[list[int]]
+
+
+def factorized(M: Sequence[Sequence[Scalar]], links: Sequence[Link]) -> Factors:
+    """Return the factors of the inertia matrix of an arm with these links."""
+    L = [list(row) for row in M]
+    reciprocals, inner = [], [list(ancestors(links, j)) for j in range(len(links))]
+    for j in reversed(range(len(links))):
+        reciprocals.append(1 / L[j][j])
+        for place, i in enumerate(inner[j]):
+            factor = L[j][i] * reciprocals[-1]
+            for k in inner[j][place:]:
+                L[i][k] = L[i][k] - factor * L[j][k]
+            L[j][i] = factor
+    return Factors(L, reciprocals[::-1], inner)
+
+
+def solution(factors: Factors, b: Sequence[Scalar]) -> list[Scalar]:
+    """Return x with L^T D L x = b."""
+    L, reciprocals, inner = factors
+    x = list(b)
+    for j in reversed(range(len(x))):
+        for i in inner[j]:
+            x[i] = x[i] - L[j][i] * x[j]
+    for j, reciprocal in enumerate(reciprocals):
+        x[j] = reciprocal * x[j]
+        for i in inner[j]:
+            x[j] = x[j] - L[j][i] * x[i]
+    return x

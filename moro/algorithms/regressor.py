@@ -1,0 +1,90 @@
+"""The torques as a linear function of the bodies' inertial parameters, over any scalar.
+
+Atkeson, An & Hollerbach 1986; Khalil & Dombre 2002 (ch. 12). The wrench that moves a body is linear
+in its parameters. What joint j bears of it is zeta . n + lambda . f, where (zeta, lambda) is the
+velocity that the joint gives to the body's frame per unit of its own; so it is joints that are
+carried outwards, two vectors each, and not the ten wrenches of every body inwards. Only ``+ - *``
+are asked of the scalars.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from moro.algorithms.newton_euler import Motion, forward_motion
+from moro.algorithms.posture import Posture, posture
+from moro.algorithms.transport import REST, Velocity, moved, velocity_in_link
+from moro.algorithms.vectors import add, cross, dot, times, transpose
+from moro.model import Body, Model, Scalar, Vector
+
+#: the parameters of a body, in order: inertia about the origin of the joint's frame, first moment,
+#: mass
+PARAMETERS = ("XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ", "M")
+
+
+def regressor(
+    model: Model,
+    q: Sequence[Scalar],
+    qd: Sequence[Scalar],
+    qdd: Sequence[Scalar],
+    sincos: Sequence[tuple[Scalar, Scalar] | None],
+) -> list[list[Scalar]]:
+    """Return the rows of Y(q, qd, qdd) (n x 10 n), M qdd + C qd + G = Y p.
+
+    p holds the ``PARAMETERS`` of body after body, in the frame of its joint. ``sincos[i]`` is the
+    pair (sin, cos) of ``q_i + offset`` of a revolute joint, anything for a prismatic one. With
+    arrays for scalars, many samples are computed at once.
+    """
+    return body_regressor(posture(model, q, sincos), qd, qdd)
+
+
+def parameters(model: Model) -> list[Scalar]:
+    """Return p: the parameters of all bodies, to which the regressor belongs."""
+    return [x for body in model.bodies for x in body_parameters(body)]
+
+
+def body_parameters(body: Body) -> tuple[Scalar, ...]:
+    """Return the ``PARAMETERS`` of a body."""
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia
+    return (xx, xy, xz, yy, yz, zz, *body.first_moment, body.mass)
+
+
+def body_regressor(arm: Posture, qd: Sequence[Scalar], qdd: Sequence[Scalar]) -> list[list[Scalar]]:
+    """Return the rows of the regressor of an arm in a posture."""
+    size = len(PARAMETERS)
+    Y: list[list[Scalar]] = [[0] * (size * len(arm.links)) for _ in arm.links]
+    moving = zip(forward_motion(arm, qd, qdd), joint_columns(arm), strict=True)
+    for i, (motion, columns) in enumerate(moving):
+        moments = inertia_moments(motion)
+        for j, (zeta, lamda) in columns.items():
+            of_inertia = [dot(zeta, n) for n in moments]
+            # lambda . U h + zeta . (h x a)
+            of_moment = add(times(transpose(motion.U), lamda), cross(motion.a, zeta))
+            of_mass = dot(lamda, motion.a)
+            Y[j][size * i : size * (i + 1)] = [*of_inertia, *of_moment, of_mass]
+    return Y
+
+
+def joint_columns(arm: Posture) -> list[dict[int, Velocity]]:
+    """Return for every link the velocity, in its frame, per unit of every joint that moves it."""
+    found: list[dict[int, Velocity]] = []
+    for i, link in enumerate(arm.links):
+        outer = found[link.parent] if link.parent >= 0 else {}
+        columns = {j: velocity_in_link(link, column) for j, column in outer.items()}
+        found.append({**columns, i: moved(link, REST, 1)})
+    return found
+
+
+def inertia_moments(motion: Motion) -> tuple[Vector, ...]:
+    """Return the moment J alpha + omega x J omega per unit of XX, XY, XZ, YY, YZ and ZZ."""
+    x, y, z = motion.omega
+    ax, ay, az = motion.alpha
+    (Uxx, Uxy, Uxz), (Uyx, Uyy, Uyz), (Uzx, Uzy, Uzz) = motion.U
+    return (
+        (ax, x * z, -(x * y)),
+        (-Uzx, Uzy, Uxx - Uyy),
+        (Uyx, Uzz - Uxx, -Uyz),
+        (-(y * z), ay, x * y),
+        (Uyy - Uzz, -Uxy, Uxz),
+        (y * z, -(x * z), az),
+    )
