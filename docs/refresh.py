@@ -1,0 +1,91 @@
+"""Put the real output of every sample into the pages: python docs/refresh.py [PAGE.md ...].
+
+tests/test_docs.py checks that they agree. Look at what changed before you commit it.
+"""
+
+from __future__ import annotations
+
+import doctest
+import io
+import os
+import re
+import sys
+import tempfile
+import textwrap
+import traceback
+from collections.abc import Iterator
+from contextlib import redirect_stdout
+from pathlib import Path
+from typing import Any
+
+#: characters of a line of output that fit on a page
+WIDTH = 90
+
+_BLOCK = re.compile(r"^```(python|yaml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def refreshed(text: str) -> str:
+    """Return a page with the output of its samples as it is now."""
+    names: dict[str, Any] = {"__name__": "__main__"}
+
+    def block(match: re.Match[str]) -> str:
+        language, code = match.groups()
+        if language == "yaml":
+            name = re.match(r"# (\S+\.yaml)\n", code)
+            Path(name[1] if name else "robot.yaml").write_text(code, encoding="utf-8")
+            return match[0]
+        return f"```python\n{''.join(_samples(code, names))}```"
+
+    return _BLOCK.sub(block, text)
+
+
+def _samples(code: str, names: dict[str, Any]) -> Iterator[str]:
+    for part in doctest.DocTestParser().parse(code):
+        if isinstance(part, str):
+            yield part
+            continue
+        first, *rest = part.source.splitlines()
+        yield f">>> {first}\n" + "".join(f"... {line}\n" for line in rest)
+        yield "".join(f"{line}\n" for line in _wrapped(_output(part.source, names)))
+
+
+def _output(source: str, names: dict[str, Any]) -> str:
+    printed = io.StringIO()
+    with redirect_stdout(printed):
+        try:
+            exec(compile(source, "<sample>", "single"), names)  # noqa: S102 - our own pages
+        except Exception as error:
+            print("Traceback (most recent call last):\n    ...")
+            print(*traceback.format_exception_only(error), sep="", end="")
+    return printed.getvalue()
+
+
+def _wrapped(text: str) -> Iterator[str]:
+    for line in text.splitlines():
+        if len(line) <= WIDTH or set(line) <= set("- "):
+            yield line or "<BLANKLINE>"
+        else:
+            yield from textwrap.wrap(
+                line,
+                WIDTH,
+                subsequent_indent="    ",
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
+
+
+def main() -> None:
+    """Refresh the pages that are named, or all."""
+    here = Path(__file__).resolve().parent
+    all_pages = [here.parent / "README.md", *sorted(here.glob("*.md"))]
+    pages = [Path(name).resolve() for name in sys.argv[1:]] or all_pages
+    for page in pages:
+        text = page.read_text(encoding="utf-8")
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)  # where samples find the robot files of their page
+            page.write_text(refreshed(text), encoding="utf-8")
+            os.chdir(here)
+
+
+if __name__ == "__main__":
+    main()
