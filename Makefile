@@ -1,12 +1,14 @@
 # Every target does its own set-up: Python 3.10 or newer with venv, and a C compiler, are enough.
 PYTHON ?= python3
 BIN := .venv/bin
+# setuptools warns of every editable installation
+INSTALL := PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet
 
 .PHONY: demo test lint docs figures bench clean
 .DELETE_ON_ERROR:
 
 demo: .venv/installed
-	$(BIN)/moro-codegen puma560
+	@$(BIN)/moro-codegen puma560
 
 test: .venv/tests
 	$(BIN)/pytest
@@ -30,17 +32,18 @@ clean:
 	rm -rf docs/_build .venv build/bdist.* build/lib* build/temp.* *.egg-info codegen/_runtime.c codegen/*.so
 
 .venv/bin/python:
-	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --upgrade pip
+	@echo "setting up .venv (half a minute or so)"
+	@$(PYTHON) -m venv .venv
+	@$(BIN)/python -m pip install --quiet --upgrade pip
 
 .venv/installed: .venv/bin/python pyproject.toml setup.py codegen/_runtime.pyx
-	$(BIN)/python -m pip install --quiet --editable .
-	touch $@
+	@$(INSTALL) --editable .
+	@touch $@
 
 .venv/tests: .venv/installed
-	$(BIN)/python -m pip install --quiet --editable ".[test,lint]"
-	touch $@
+	@$(INSTALL) --editable ".[test,lint]"
+	@touch $@
 
 .venv/docs: .venv/installed
-	$(BIN)/python -m pip install --quiet --editable ".[docs]"
+	@$(INSTALL) --editable ".[docs]"
 	touch $@

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import gc
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from timeit import Timer
 from typing import Any
 
 import numpy as np
@@ -43,20 +42,30 @@ def time_tau(
     q = rng.uniform(low, high, (BATCH, robot.dof))
     qd, qdd = rng.standard_normal((2, BATCH, robot.dof))
     values = {str(s): x for s, x in parameter_values(robot, rng).items()}
-    given = {"parameters": np.array(list(values.values()))} if values else {}
-    one, batch = (q[0].copy(), qd[0].copy(), qdd[0].copy()), (q, qd, qdd)
-    out, outs = np.empty(robot.dof), np.empty_like(q)
+    names: dict[str, Any] = {
+        "kernel": kernel.tau,
+        "in_numpy": numpy_kernel.tau,
+        "out": np.empty(robot.dof),
+        "outs": np.empty_like(q),
+        "parameters": np.array(list(values.values())) if values else None,
+    }
+    for name, array in {"q": q, "qd": qd, "qdd": qdd}.items():
+        names |= {name: array[0].copy(), f"{name}s": array}
+    given = ", parameters=parameters" if values else ""
+    one, batch = f"(q, qd, qdd{given}", f"(qs, qds, qdds{given}"
     timings = [
-        Timing("compiled kernel", seconds(lambda: kernel.tau(*one, out=out, **given))),
-        Timing("the same in NumPy", seconds(lambda: numpy_kernel.tau(*one, **given))),
+        Timing("compiled kernel", seconds(f"kernel{one}, out=out)", names)),
+        Timing("the same in NumPy", seconds(f"in_numpy{one})", names)),
     ]
     if lambdified is not None:
-        arguments = [float(x) for x in np.concatenate([*one, list(values.values())])]
-        timings.append(Timing("SymPy lambdify", seconds(lambda: lambdified(*arguments))))
-    per_sample = seconds(lambda: kernel.tau(*batch, out=outs, **given)) / BATCH
-    timings.append(Timing("compiled kernel", per_sample, batch=True))
-    per_sample = seconds(lambda: numpy_kernel.tau(*batch, **given)) / BATCH
-    timings.append(Timing("the same in NumPy", per_sample, batch=True))
+        numbers = [*q[0], *qd[0], *qdd[0], *values.values()]
+        names |= {"lambdified": lambdified, "numbers": [float(x) for x in numbers]}
+        timings.append(Timing("SymPy lambdify", seconds("lambdified(*numbers)", names)))
+    for what, call in (
+        ("compiled kernel", f"kernel{batch}, out=outs)"),
+        ("the same in NumPy", f"in_numpy{batch})"),
+    ):
+        timings.append(Timing(what, seconds(call, names) / BATCH, batch=True))
     return timings
 
 
@@ -82,29 +91,9 @@ def lambdified(arguments: Sequence[Any], expressions: Sequence[Any]) -> Callable
     return function
 
 
-def seconds(call: Callable[[], Any]) -> float:
-    """Return the time of one call [s]: the mean of a block of calls, of the fastest block."""
-    repeats = _repeats(call)
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        return min(_block(call, repeats) for _ in range(BLOCKS)) / repeats
-    finally:
-        if enabled:
-            gc.enable()
-
-
-def _repeats(call: Callable[[], Any]) -> int:
-    """Return how many calls fill a block."""
-    repeats = 1
-    while (duration := _block(call, repeats)) < BLOCK / 4:
-        repeats *= 4
-    return max(1, round(repeats * BLOCK / duration))
-
-
-def _block(call: Callable[[], Any], repeats: int) -> float:
-    count = range(repeats)
-    start = time.perf_counter()
-    for _ in count:
-        call()
-    return time.perf_counter() - start
+def seconds(statement: str, names: dict[str, Any]) -> float:
+    """Return the time of a statement [s]: the mean of a block of runs, of the fastest block."""
+    timer = Timer(statement, globals=names)
+    repeats, duration = timer.autorange()
+    per_block = max(1, round(repeats * BLOCK / duration))
+    return min(timer.repeat(BLOCKS, per_block)) / per_block
