@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import difflib
 import inspect
+import math
+import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
@@ -17,6 +19,7 @@ import numpy as np
 from moro_codegen.emit.describe import all_inputs, argument_lines, core_shapes, operations, shape
 from moro_codegen.functions import Argument
 from moro_codegen.generate import Parameter, Program, Routine
+from moro_codegen.threads import WORTHWHILE, in_threads
 from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[np.float64]
@@ -88,9 +91,9 @@ class Signature:
 
     @property
     def call(self) -> str:
-        """The call: tau(q, qd, qdd, parameters=None, out=None)."""
+        """The call: tau(q, qd, qdd, parameters=None, out=None, *, threads=1)."""
         names = ", ".join(a.name for a in self.given)
-        return f"{self.name}({names}, parameters=None, out=None)"
+        return f"{self.name}({names}, parameters=None, out=None, *, threads=1)"
 
     @property
     def doc(self) -> str:
@@ -124,6 +127,7 @@ class Signature:
             [
                 *lines,
                 f"``out``: {out} of float64 for the result; it must not overlap an input.",
+                "``threads``: so many share a large batch's samples; the results are the same.",
                 "",
                 f"Takes {operations(self)}.",
             ]
@@ -136,20 +140,26 @@ class Signature:
         cores = [shape(a) for a in self.outputs]
 
         def function(*args: Any, **keywords: Any) -> Any:
-            given, parameters, out = self._bind(args, keywords)
+            given, parameters, out, threads = self._bind(args, keywords)
             inputs = [self._array(a, x) for a, x in zip(self.given, given, strict=True)]
             if self.parameters:
                 inputs.append(self._parameter_array(parameters))
             elif parameters is not None:
                 raise TypeError(f"{self.name}: the model has no run-time parameters")
-            shapes = [self._samples(inputs) + core for core in cores]
+            samples = self._samples(inputs)
+            shapes = [samples + core for core in cores]
             if out is None:
                 results = [np.empty(shape) for shape in shapes]
+            else:
+                results = self._checked_out(out, shapes, inputs)
+            if threads == 1:
                 run(inputs, results)
-                values = tuple([result if result.ndim else result[()] for result in results])
-                return values if len(values) > 1 else values[0]
-            run(inputs, self._checked_out(out, shapes, inputs))
-            return out
+            else:
+                self._run_in_threads(run, inputs, results, samples, threads)
+            if out is not None:
+                return out
+            values = tuple([result if result.ndim else result[()] for result in results])
+            return values if len(values) > 1 else values[0]
 
         function.__name__ = function.__qualname__ = self.name
         function.__doc__ = self.doc
@@ -162,15 +172,20 @@ class Signature:
                 )
                 for name in (*(a.name for a in self.given), *_OPTIONAL)
             ]
+            + [inspect.Parameter("threads", inspect.Parameter.KEYWORD_ONLY, default=1)]
         )
         return function
 
     def _bind(
         self, args: Sequence[Any], keywords: Mapping[str, Any]
-    ) -> tuple[Sequence[Any], Any, Any]:
-        """Return the inputs in order, the parameters and ``out``."""
+    ) -> tuple[Sequence[Any], Any, Any, int]:
+        """Return the inputs in order, the parameters, ``out`` and ``threads``."""
+        threads = 1
+        if "threads" in keywords:
+            keywords = dict(keywords)
+            threads = self._count_of_threads(keywords.pop("threads"))
         if len(args) == len(self.given) and keywords.keys() <= _KEYWORDS:
-            return args, keywords.get("parameters"), keywords.get("out")
+            return args, keywords.get("parameters"), keywords.get("out"), threads
         names = [*[a.name for a in self.given], *_OPTIONAL]
         if len(args) > len(names):
             raise TypeError(f"{self.call} takes {len(names)} arguments, found {len(args)}")
@@ -184,7 +199,32 @@ class Signature:
         missing = [a.name for a in self.given if a.name not in bound]
         if missing:
             raise TypeError(f"{self.call}: {', '.join(missing)} missing")
-        return [bound[a.name] for a in self.given], bound.get("parameters"), bound.get("out")
+        given = [bound[a.name] for a in self.given]
+        return given, bound.get("parameters"), bound.get("out"), threads
+
+    def _count_of_threads(self, given: Any) -> int:
+        try:
+            threads = operator.index(given)
+        except TypeError:
+            raise TypeError(f"{self.name}: threads must be an integer, not {given!r}") from None
+        if threads < 1:
+            raise ValueError(f"{self.name}: threads must be at least 1, not {threads}")
+        return threads
+
+    def _run_in_threads(
+        self,
+        run: Run,
+        inputs: Sequence[Array],
+        results: Sequence[Array],
+        samples: tuple[int, ...],
+        threads: int,
+    ) -> None:
+        """Run in at most so many threads, each with enough to do."""
+        work = math.prod(samples) * sum(self.ops.values())
+        wide = [
+            np.broadcast_to(x, samples + shape(a)) for a, x in zip(self.inputs, inputs, strict=True)
+        ]
+        in_threads(run, wide, results, samples, min(threads, work // WORTHWHILE))
 
     def _array(self, argument: Argument, value: Any) -> Array:
         """Return an input as an array of float64 with the right last axes."""

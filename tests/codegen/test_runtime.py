@@ -473,7 +473,7 @@ def test_calls_refused(arm):
 def test_documentation(arm):
     assert arm.tau.__name__ == "tau"
     names = list(inspect.signature(arm.tau).parameters)
-    assert names == ["q", "qd", "qdd", "parameters", "out"]
+    assert names == ["q", "qd", "qdd", "parameters", "out", "threads"]
     for text in (
         "Inverse dynamics",
         "q[6]",
