@@ -18,7 +18,7 @@ from moro.display import Display
 from moro.from_dh import model_from_dh
 from moro.model import Model
 from moro.regressor import Regressor, regressor_columns
-from moro.rows import read_rows
+from moro.rows import given_rows, read_convention, read_rows
 from moro.standard_parameters import BODY, Standard
 from moro.tables import Table
 from moro.trig import Trig, TrigRing
@@ -51,12 +51,10 @@ class Robot:
     """
 
     def __init__(self, *rows: Any, convention: Literal["dh", "mdh"] = "dh", name: str = "robot"):
-        if convention not in ("dh", "mdh"):
-            raise ValueError(f'convention must be "dh" or "mdh", not {convention!r}')
         self.name = name
-        self._convention = convention
-        self._rows = read_rows(rows)
-        self._rows_as_given = tuple(tuple(checks.sequence(row, "row")) for row in rows)
+        self._convention = read_convention(convention)
+        self._rows_as_given = given_rows(rows)
+        self._rows = read_rows(self._rows_as_given)
         self._masses: tuple[Any, ...] | None = None
         self._cm_positions: tuple[tuple[Any, ...], ...] | None = None
         self._inertia_tensors: tuple[tuple[tuple[Any, ...], ...], ...] | None = None
@@ -67,7 +65,9 @@ class Robot:
         self._joint_limits: tuple[tuple[Any, Any], ...] | None = None
         self._defaults: dict[Any, Any] = {}
         self._assumed: set[str] = set()
-        self._with_floats: set[str] = {"rows"} if checks.has_float(rows) else set()
+        self._with_floats: set[str] = set()
+        if checks.has_float(self._rows_as_given):
+            self._with_floats.add("rows")
         self._closed_form: ClosedForm | None = None
         self._display: Display | None = None
         self._results: dict[Any, Any] = {}
@@ -80,6 +80,15 @@ class Robot:
         return load(source)
 
     # -- what is given ----------------------------------------------------------------------------
+
+    @property
+    def name(self) -> str:
+        """Name of the robot, a text."""
+        return self._name
+
+    @name.setter
+    def name(self, text: Any) -> None:
+        self._name = checks.name(text, "name")
 
     @property
     def convention(self) -> str:
@@ -140,9 +149,9 @@ class Robot:
         if limits is None:
             self._joint_limits = None
             return
-        pairs = checks.per_joint(limits, self.dof, "joint_limits")
+        pairs = checks.groups(limits, self.dof, "joint_limits", of="joint")
         self._joint_limits = tuple(
-            _limits(pair, f"limits of joint {i}") for i, pair in enumerate(pairs, 1)
+            checks.limits(pair, f"limits of joint {i}") for i, pair in enumerate(pairs, 1)
         )
 
     @property
@@ -155,9 +164,10 @@ class Robot:
         if values is None:
             new = tuple(sp.Symbol(f"m_{i}") for i in range(1, self.dof + 1))
         else:
-            new = self._scalars(values, "masses", "m")
-            for i, m in enumerate(new, 1):
-                _not_negative(m, f"m_{i} of masses")
+            values = checks.scalars(values, self.dof, "masses")
+            new = tuple(
+                checks.not_negative(m, f"m_{i} of masses", self.qs) for i, m in enumerate(values, 1)
+            )
         self._set("masses", new, values)
 
     def m(self, i: int) -> Any:
@@ -175,8 +185,10 @@ class Robot:
     def cm_positions(self, values: Any) -> None:
         if values is None:
             raise ValueError("cm_positions are never assumed: give one [x, y, z] for each link")
-        items = checks.per_joint(_split_columns(values), self.dof, "cm_positions")
-        new = tuple(checks.vector(r, f"cm_positions, link {i},") for i, r in enumerate(items, 1))
+        values = checks.groups(values, self.dof, "cm_positions")
+        new = tuple(
+            checks.vector(r, f"cm_positions of link {i}", self.qs) for i, r in enumerate(values, 1)
+        )
         self._set("cm_positions", new, values)
 
     @property
@@ -194,9 +206,11 @@ class Robot:
         if values is None:
             new = tuple(_diagonal(i) for i in range(1, self.dof + 1))
         else:
-            items = checks.per_joint(values, self.dof, "inertia_tensors")
-            what = "inertia tensor of link"
-            new = tuple(checks.tensor(I, f"{what} {i}") for i, I in enumerate(items, 1))
+            values = checks.groups(values, self.dof, "inertia_tensors")
+            new = tuple(
+                checks.tensor(I, f"inertia tensor of link {i}", self.qs)
+                for i, I in enumerate(values, 1)
+            )
         self._set("inertia_tensors", new, values)
 
     def I_cm(self, i: int) -> sp.Matrix:
@@ -212,7 +226,7 @@ class Robot:
     def gravity(self, value: Any) -> None:
         if value is None:
             raise ValueError("gravity is never assumed: give [x, y, z] in frame 0, [0, 0, -g] say")
-        self._set("gravity", checks.vector(value, "gravity"), value)
+        self._set("gravity", checks.vector(value, "gravity", self.qs), value)
 
     @property
     def rotor_inertias(self) -> list[Any] | None:
@@ -242,8 +256,11 @@ class Robot:
         if values is None:
             self._set("coulomb_friction", None, None)
             return
-        items = checks.per_joint(values, self.dof, "coulomb_friction")
-        new = tuple(_coulomb(x, f"coulomb_friction of joint {i}") for i, x in enumerate(items, 1))
+        values = checks.pairs(values, self.dof, "coulomb_friction")
+        new = tuple(
+            checks.both_directions(x, f"coulomb_friction of joint {i}", self.qs)
+            for i, x in enumerate(values, 1)
+        )
         self._set("coulomb_friction", new, values)
 
     @property
@@ -253,6 +270,7 @@ class Robot:
         Kernels take them at run time, in this order. Set a dictionary to give defaults.
         """
         free = set().union(*(x.free_symbols for x in self._constants())) - {t, *self.qs}
+        _unlike_names(free)
         ordered = [s for s in self._defaults if s in free]
         ordered += sorted(free - set(ordered), key=lambda s: sp.default_sort_key(s))
         return {s: self._defaults.get(s) for s in ordered}
@@ -260,8 +278,8 @@ class Robot:
     @parameters.setter
     def parameters(self, defaults: Mapping[Any, Any]) -> None:
         self._defaults = {
-            _symbol(key): None if value is None else checks.scalar(value, f"default of {key}")
-            for key, value in defaults.items()
+            _symbol(key): None if value is None else checks.number(value, f"default of {key}")
+            for key, value in _items(defaults, "parameters")
         }
 
     def with_parameters(self, values: Mapping[Any, Any]) -> Robot:
@@ -272,12 +290,19 @@ class Robot:
         """
         known = {str(s): s for s in self.parameters}
         new: dict[Any, Any] = {}
-        for key, value in values.items():
-            if str(key) not in known:
+        for key, value in _items(values, "values"):
+            symbol = known.get(str(key))
+            if symbol is None:
                 names = ", ".join(known) or "none"
-                raise ValueError(f"{key} is not a symbol of the model; its symbols are {names}")
-            new[known[str(key)]] = checks.scalar(value, f"value of {key}")
-        return self._substituted(new, with_floats=checks.has_float(list(values.values())))
+                near = checks.suggestion(str(key), known)
+                raise ValueError(
+                    f"{key} is not a symbol of the model; its symbols are {names}{near}"
+                )
+            if symbol in new:
+                raise ValueError(f"{key} is given two values")
+            checks.constant(value, f"value of {key}", self.qs)
+            new[symbol] = sp.sympify(value)
+        return self._substituted(new)
 
     # -- frames -----------------------------------------------------------------------------------
 
@@ -322,7 +347,7 @@ class Robot:
     def J_point(self, point: Any, i: int) -> sp.Matrix:
         """Geometric Jacobian of a point of link i, given in frame i (6 x n, linear rows first)."""
         link = self._link(i)
-        r = checks.vector(point, "point")
+        r = checks.vector(point, "point", self.qs)
         return self._matrix(("J", i, r), lambda: self._jacobian(link, r))
 
     def J_cm_i(self, i: int) -> sp.Matrix:
@@ -399,7 +424,8 @@ class Robot:
     def lagrangian(self) -> Any:
         """L = K - P [J]."""
         self._warn_if_static("lagrangian")
-        return self.kinetic_energy() - self.potential_energy()
+        self._needed("masses", "cm_positions", "inertia_tensors", "gravity")
+        return self._scalar("K", self._total_kinetic_energy) - self.potential_energy()
 
     # -- equations of motion ----------------------------------------------------------------------
 
@@ -418,7 +444,7 @@ class Robot:
         Christoffel symbols of the first kind: Spong et al., section 7.3.
         """
         i, j, k = (self._joint(x) for x in (i, j, k))
-        M = sp.Matrix(M)
+        M = checks.matrix(M, "M")
         if M.shape != (self.dof, self.dof):
             raise ValueError(f"M must be {self.dof} x {self.dof}, not {M.shape[0]} x {M.shape[1]}")
         entry, diff, qs = self._ring.convert, self._ring.diff, self.qs
@@ -431,7 +457,7 @@ class Robot:
         """C with C_ij = sum_k c_ijk qd_k (n x n): dM/dt - 2 C is skew-symmetric."""
         self._warn_if_static("coriolis_matrix")
         self._needed("masses", "cm_positions", "inertia_tensors")
-        return self._matrix("C", lambda: self._form.coriolis_matrix(self._rates()))
+        return self._coriolis_matrix()
 
     def gravity_vector(self) -> sp.Matrix:
         """G = grad P (n x 1)."""
@@ -466,11 +492,11 @@ class Robot:
         qdd = sp.ImmutableMatrix([q.diff(t, 2) for q in self.qs])
         M, C, G = map(
             sp.ImmutableMatrix,
-            (self.inertia_matrix(), self.coriolis_matrix(), self.gravity_vector()),
+            (self.inertia_matrix(), self._coriolis_matrix(), self.gravity_vector()),
         )
         blocks = [sp.MatMul(M, qdd, evaluate=False), sp.MatMul(C, qd, evaluate=False), G]
         if self._viscous_friction or self._coulomb_friction:
-            blocks.append(sp.ImmutableMatrix(self.friction_vector()))
+            blocks.append(sp.ImmutableMatrix([self._friction(i) for i in range(self.dof)]))
         left = sp.MatAdd(*blocks, evaluate=False)
         return sp.Eq(left, sp.ImmutableMatrix(self._taus()), evaluate=False)
 
@@ -645,6 +671,9 @@ class Robot:
         turning = [k for k in joints if self._rows[k].kind == "r"]
         return [[sum((axes[k][a] * rates[k] for k in turning), self._ring.zero)] for a in range(3)]
 
+    def _coriolis_matrix(self) -> sp.Matrix:
+        return self._matrix("C", lambda: self._form.coriolis_matrix(self._rates()))
+
     def _kinetic_energies(self) -> list[Trig]:
         if "K_i" not in self._results:
             self._results["K_i"] = self._form.kinetic_energies(self._rates())
@@ -742,14 +771,12 @@ class Robot:
     def _set_joint_constants(self, name: str, values: Any) -> None:
         new = None
         if values is not None:
-            new = self._scalars(values, name, "joint")
-            for i, x in enumerate(new, 1):
-                _not_negative(x, f"{name} of joint {i}")
+            values = checks.scalars(values, self.dof, name, of="joint")
+            new = tuple(
+                checks.not_negative(x, f"{name} of joint {i}", self.qs)
+                for i, x in enumerate(values, 1)
+            )
         self._set(name, new, values)
-
-    def _scalars(self, values: Any, name: str, of: str) -> tuple[Any, ...]:
-        items = checks.per_joint(values, self.dof, name)
-        return tuple(checks.scalar(x, f"{name}, {of} {i},") for i, x in enumerate(items, 1))
 
     def _needed(self, *names: str) -> Any:
         """Return the last of these quantities; ValueError says how to set one that is missing."""
@@ -773,11 +800,11 @@ class Robot:
         for pair in self._coulomb_friction or ():
             yield from pair
 
-    def _substituted(self, values: Mapping[Any, Any], with_floats: bool) -> Robot:
+    def _substituted(self, values: Mapping[Any, Any]) -> Robot:
         def put(x: Any) -> Any:
             if isinstance(x, tuple):
                 return tuple(put(item) for item in x)
-            return checks.exact(x.subs(values)) if isinstance(x, sp.Basic) else x
+            return x.xreplace(values) if isinstance(x, sp.Basic) else x
 
         rows = []
         for row in self._rows:
@@ -787,19 +814,27 @@ class Robot:
             rows.append((a, alpha, d, theta, row.kind))
         robot = Robot(*rows, convention=self._convention, name=self.name)
         for name in _QUANTITIES:
-            setattr(robot, f"_{name}", put(getattr(self, f"_{name}")))
+            value = getattr(self, f"_{name}")
+            if value is not None:
+                setattr(robot, name, put(value))
         robot._assumed = set(self._assumed)
         robot._defaults = {s: x for s, x in self._defaults.items() if s not in values}
-        robot._with_floats = self._with_floats | ({"parameters"} if with_floats else set())
+        robot._with_floats |= self._with_floats
         return robot
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_") and not hasattr(type(self), name):
+            near = checks.suggestion(name, (x for x in dir(type(self)) if not x.startswith("_")))
+            raise AttributeError(f"a Robot has no {name}{near}")
+        super().__setattr__(name, value)
 
     def _warn_if_static(self, method: str, variables: Sequence[Any] | None = None) -> None:
         static = [q for q in variables or self.qs if q.is_Symbol]
         if static:
             names = ", ".join(map(str, static))
             warnings.warn(
-                f"{method}: {names} is a plain symbol, so its velocity is zero; use a function of "
-                "time as joint variable, q1 of moro.abc or sympy.Function('q1')(t)",
+                f"{method}: velocities are zero, for {names} is no function of time; use q1 of "
+                "moro.abc, or sympy.Function('q1')(t), as joint variable",
                 UserWarning,
                 stacklevel=3,
             )
@@ -833,42 +868,28 @@ def _diagonal(i: int) -> tuple[tuple[Any, ...], ...]:
     return tuple(tuple(symbols[j] if j == k else zero for k in range(3)) for j in range(3))
 
 
-def _limits(pair: Any, what: str) -> tuple[Any, Any]:
-    items = checks.sequence(pair, what)
-    if len(items) != 2:
-        raise ValueError(f"{what} must be (lower, upper), not {pair!r}")
-    lower, upper = (checks.scalar(x, what) for x in items)
-    if not (lower.is_number and upper.is_number):
-        raise TypeError(f"{what} must be numbers, not {pair!r}")
-    if lower > upper:
-        raise ValueError(f"{what} must be (lower, upper), but {lower} > {upper}")
-    return lower, upper
+def _items(values: Any, what: str) -> Iterable[tuple[Any, Any]]:
+    if not isinstance(values, Mapping):
+        raise TypeError(
+            f"{what} must be a dictionary {{symbol: value}}, not {checks.brief(values)}"
+        )
+    return values.items()
 
 
-def _coulomb(value: Any, what: str) -> tuple[Any, Any]:
-    single = isinstance(value, (str, bytes)) or not hasattr(value, "__iter__")
-    pair = [value, value] if single else checks.sequence(value, what)
-    if len(pair) != 2:
-        raise ValueError(f"{what} must be one value or (forward, backward), not {value!r}")
-    forward, backward = (checks.scalar(x, what) for x in pair)
-    _not_negative(forward, what)
-    _not_negative(backward, what)
-    return forward, backward
-
-
-def _not_negative(value: Any, what: str) -> None:
-    if value.is_number and value < 0:
-        raise ValueError(f"{what} must not be negative, not {value}")
-
-
-def _split_columns(values: Any) -> Any:
-    """Return a 3 x n or n x 3 matrix of vectors as a list, anything else as it is."""
-    if isinstance(values, sp.MatrixBase):
-        return values.tolist()
-    return values
+def _unlike_names(symbols: Iterable[Any]) -> None:
+    """Raise ValueError if two different symbols have one name."""
+    names = [str(s) for s in symbols]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(
+                f"two different symbols are called {name}: Symbol({name!r}) and one with "
+                "assumptions, real=True say; use one of them throughout"
+            )
 
 
 def _symbol(key: Any) -> Any:
+    if not isinstance(key, (str, sp.Symbol)):
+        raise TypeError(f"a parameter must be a symbol or its name, not {checks.brief(key)}")
     return sp.Symbol(key) if isinstance(key, str) else key
 
 

@@ -9,6 +9,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from moro import checks
+from moro.abc import t
 from moro.chain import Row
 
 _KINDS: dict[str, Literal["r", "p"]] = {
@@ -18,27 +19,70 @@ _KINDS: dict[str, Literal["r", "p"]] = {
     "prismatic": "p",
 }
 
+#: what the conventions are called, and what is meant
+_CONVENTIONS: dict[str, Literal["dh", "mdh"]] = {
+    "dh": "dh",
+    "mdh": "mdh",
+    "standard": "dh",
+    "distal": "dh",
+    "modified": "mdh",
+    "proximal": "mdh",
+    "craig": "mdh",
+    "khalil": "mdh",
+}
 
-def read_rows(rows: Sequence[Any]) -> tuple[Row, ...]:
+_FORM = '(a, alpha, d, theta) or (a, alpha, d, theta, "r" or "p")'
+
+
+def read_convention(text: Any) -> Literal["dh", "mdh"]:
+    """Return the convention, "dh" or "mdh"; ValueError says which was meant."""
+    word = text.strip().lower() if isinstance(text, str) else ""
+    if word in ("dh", "mdh"):
+        return _CONVENTIONS[word]
+    meant = _CONVENTIONS.get(word)
+    near = f'; did you mean "{meant}"?' if meant else checks.suggestion(word, ("dh", "mdh"))
+    raise ValueError(
+        f'convention must be "dh" (standard) or "mdh" (modified), not {checks.brief(text)}{near}'
+    )
+
+
+def given_rows(rows: Sequence[Any]) -> tuple[tuple[Any, ...], ...]:
+    """Return rows as tuples, of the right length, their entries not looked at."""
+    if not rows:
+        raise ValueError(f"a robot needs at least one row {_FORM}")
+    if len(rows) == 1 and _holds_rows(rows[0]):
+        raise ValueError("rows are given one by one, Robot(row, row, ...): write Robot(*rows)")
+    given = []
+    for i, row in enumerate(rows, 1):
+        items = checks.sequence(row, f"row {i}")
+        if len(items) not in (4, 5):
+            raise ValueError(f"row {i} must be {_FORM}, not {len(items)} values")
+        given.append(tuple(items))
+    return tuple(given)
+
+
+def read_rows(rows: Sequence[tuple[Any, ...]]) -> tuple[Row, ...]:
     """Return the rows ``(a, alpha, d, theta[, "r" | "p"])`` of a table, checked.
 
     The joint variable is found in theta (revolute) or d (prismatic): the one function of time
     there, else the one symbol; what is added to it is a constant offset.
     """
-    if not rows:
-        raise ValueError("a robot needs at least one row (a, alpha, d, theta)")
     read = tuple(_read_row(row, f"row {i}") for i, row in enumerate(rows, 1))
     _check_variables(read)
     return read
 
 
-def _read_row(row: Any, what: str) -> Row:
-    items = checks.sequence(row, what)
-    if len(items) not in (4, 5):
-        raise ValueError(
-            f'{what} must be (a, alpha, d, theta) or (a, alpha, d, theta, "r" or "p"), '
-            f"not {len(items)} values"
-        )
+def _holds_rows(row: Any) -> bool:
+    if len(getattr(row, "shape", ())) == 2:
+        return 1 not in row.shape or not isinstance(row, sp.MatrixBase)
+    return (
+        isinstance(row, (list, tuple))
+        and len(row) > 0
+        and all(isinstance(x, (list, tuple, sp.MatrixBase)) for x in row)
+    )
+
+
+def _read_row(items: tuple[Any, ...], what: str) -> Row:
     kind = _kind(items[4] if len(items) == 5 else "r", what)
     a = checks.scalar(items[0], f"a of {what}")
     alpha = checks.angle(items[1], f"alpha of {what}")
@@ -54,7 +98,11 @@ def _read_row(row: Any, what: str) -> Row:
 def _kind(text: Any, what: str) -> Literal["r", "p"]:
     kind = _KINDS.get(text.lower()) if isinstance(text, str) else None
     if kind is None:
-        raise ValueError(f'joint type of {what} must be "r" or "p", not {text!r}')
+        near = checks.suggestion(text.lower(), _KINDS) if isinstance(text, str) else ""
+        raise ValueError(
+            f'joint type of {what} must be "r" (revolute) or "p" (prismatic), '
+            f"not {checks.brief(text)}{near}"
+        )
     return kind
 
 
@@ -87,7 +135,15 @@ def _variable(expr: Any, what: str) -> Any:
             f"{what} is {expr}: which of {names} is the joint variable? "
             "Write it as a function of time (q1 of moro.abc), and the rest as plain symbols"
         )
-    return candidates[0]
+    (variable,) = candidates
+    if variable == t:
+        raise ValueError(f"{what} is {expr}: t is time; the joint variable is q1 of moro.abc, say")
+    if functions and variable.args != (t,):
+        raise ValueError(
+            f"{what} is {expr}: a joint variable must be a function of time, the t of moro.abc "
+            "(a plain Symbol('t')), and of nothing else"
+        )
+    return variable
 
 
 def _check_variables(rows: Sequence[Row]) -> None:
@@ -101,12 +157,12 @@ def _check_variables(rows: Sequence[Row]) -> None:
     for i, row in enumerate(rows, 1):
         for name in ("a", "alpha", "d", "theta"):
             constant = getattr(row, name)
-            for variable in constant.atoms(AppliedUndef) | constant.free_symbols:
+            held = checks.moving(constant, owner)
+            for variable in held:
                 if variable in owner:
                     raise ValueError(
                         f"{name} of row {i} is {constant}, which holds {variable}, "
                         f"the joint variable of row {owner[variable]}: it must be constant"
                     )
-            moving = constant.atoms(AppliedUndef)
-            if moving:
+            if held:
                 raise ValueError(f"{name} of row {i} must be constant, not {constant}")
