@@ -65,12 +65,16 @@ class ExpressionError(ValueError):
 def parse(text: str, names: Mapping[str, sympy.Symbol] | None = None) -> Expr:
     """Return the exact value of ``text``, an expression over numbers, pi and ``names``.
 
-    Raises ExpressionError, saying what was found and what was expected.
+    ``names`` stand for real numbers while the value is found. Raises ExpressionError, saying what
+    was found and what was expected.
     """
     if len(text) > MAX_LENGTH:
         _refuse(f"an expression of {len(text)} characters; at most {MAX_LENGTH} are read")
     try:
-        return _Parser(text, names or {}).value()
+        names = names or {}
+        real = {name: sympy.Symbol(name, real=True) for name in names}
+        value = _Parser(text, real).value()
+        return value.xreplace({real[name]: symbol for name, symbol in names.items()})
     except ExpressionError:
         raise
     except (ArithmeticError, AttributeError, TypeError, ValueError) as error:

@@ -52,7 +52,7 @@ class Context:
         links = tree.get("links")
         return cls(
             symbols={
-                name: sympy.Symbol(name, real=True)
+                name: sympy.Symbol(name)
                 for name in (declared if isinstance(declared, Table) else ())
             },
             dynamic=any(

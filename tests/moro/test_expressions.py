@@ -13,7 +13,7 @@ from sympy import Rational, pi, sqrt
 
 from moro.io.expressions import MAX_DEPTH, MAX_LENGTH, ExpressionError, parse
 
-a, b = sympy.symbols("a b", real=True)
+a, b = sympy.symbols("a b")
 NAMES = {"a": a, "b": b}
 
 

@@ -68,7 +68,7 @@ def write(tmp_path):
 
 def test_every_value_is_exact(write):
     file = read(write(ARM))
-    g, l_tool, m_tool = (sympy.Symbol(name, real=True) for name in ("g", "l_tool", "m_tool"))
+    g, l_tool, m_tool = (sympy.Symbol(name) for name in ("g", "l_tool", "m_tool"))
     assert (file.name, file.convention) == ("arm", "mdh")
     assert file.gravity == (0, -g, 0)
     assert file.parameters == {m_tool: Rational(5, 2), l_tool: None, g: Rational(981, 100)}
