@@ -1,20 +1,38 @@
-"""What can be generated: for each function its name, arguments, meaning and algorithm."""
+"""What can be generated: for each function its name, arguments, meaning and algorithm.
+
+A function that follows from M(q) and G(q) alone is the same for an arm with fewer inertial
+parameters and other frames: it is built for several such arms, and the one that takes the fewest
+operations is kept (``System.dynamics``). Where the last frame is, and how high the masses are, has
+to be asked of the arm itself (``System.geometry``).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
-from moro_codegen.frames import equivalent_postures
+from moro_codegen.frames import equivalent_postures, turnable_parallels, unturned
 from moro_codegen.graph import Graph, Node, fewest
 
+from moro.algorithms.articulated_body import joint_accelerations
+from moro.algorithms.composite_rigid_body import joint_inertia
+from moro.algorithms.coriolis import joint_coriolis
 from moro.algorithms.drives import drive_torques
+from moro.algorithms.energies import energy_of_motion, energy_of_position
+from moro.algorithms.external_wrench import joint_torques_in_contact
+from moro.algorithms.factorization import factorized, solution
+from moro.algorithms.kinematics import poses, tip_jacobian, with_tip
 from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import Posture, posture
-from moro.model import Model
+from moro.model import Model, Scalar
 
 #: a dimension is a number, or "n" for the number of joints
 Shape = tuple[str | int, ...]
+#: from an arm in a posture to results, flat
+Algorithm = Callable[[Posture], Sequence[Scalar]]
+#: a sequence of nodes for every output, flat
+Outputs = list[Sequence[Node]]
 
 
 @dataclass(frozen=True)
@@ -37,11 +55,38 @@ class System:
     #: leave out rotor inertia and friction
     rigid: bool = False
 
+    @property
+    def rotors(self) -> list[Scalar]:
+        """The rotor inertias."""
+        return [0 if self.rigid else joint.rotor_inertia for joint in self.model.joints]
+
     def posture(self, q: Sequence[Node]) -> Posture:
         """Return the arm with its joints at q."""
         angles = [x + joint.offset for x, joint in zip(q, self.model.joints, strict=True)]
         pairs = [(self.graph.sin(angle), self.graph.cos(angle)) for angle in angles]
         return posture(self.model, q, pairs)
+
+    def posture_with_tip(self, q: Sequence[Node]) -> Posture:
+        """Return the arm with its joints at q, and frame n as a further link."""
+        return with_tip(self.posture(q), self.model.tip)
+
+    def dynamics(self, arm: Posture, *algorithms: Algorithm) -> list[Node]:
+        """Return the results of the algorithm, and for the equivalent arm, that are cheapest."""
+        arms = list(equivalent_postures(arm))
+        return fewest((run(arm) for run in algorithms for arm in arms), self.graph)
+
+    def geometry(self, q: Sequence[Node], algorithm: Algorithm) -> list[Node]:
+        """Return the cheapest results for the arm itself, with frame n as a further link."""
+        arm = self.posture_with_tip(q)
+        turned = turnable_parallels(arm)
+        arms = (arm, unturned(arm, turned)) if turned else (arm,)
+        return fewest((algorithm(arm) for arm in arms), self.graph)
+
+    def drives(self, qd: Sequence[Node], qdd: Sequence[Scalar]) -> tuple[Scalar, ...]:
+        """Return the torques of rotor inertia and friction."""
+        if self.rigid:
+            return (0,) * self.model.dof
+        return drive_torques(self.model, qd, qdd, self.graph.sign)
 
 
 @dataclass(frozen=True)
@@ -59,15 +104,96 @@ class Function:
     build: Callable[..., Sequence[Sequence[Node]]]
 
 
-def _tau(
-    system: System, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]
-) -> list[Sequence[Node]]:
-    postures = equivalent_postures(system.posture(q))
-    tau = fewest((joint_torques(arm, qd, qdd) for arm in postures), system.graph)
-    if not system.rigid:
-        drives = drive_torques(system.model, qd, qdd, system.graph.sign)
-        tau = [body + drive for body, drive in zip(tau, drives, strict=True)]
-    return [tau]
+def _tau(system: System, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]) -> Outputs:
+    tau = system.dynamics(system.posture(q), lambda arm: joint_torques(arm, qd, qdd))
+    return [_sum(tau, system.drives(qd, qdd))]
+
+
+def _tau_with_wrench(
+    system: System,
+    q: Sequence[Node],
+    qd: Sequence[Node],
+    qdd: Sequence[Node],
+    wrench: Sequence[Node],
+) -> Outputs:
+    def rigid(arm: Posture) -> Sequence[Scalar]:
+        return joint_torques_in_contact(arm, qd, qdd, wrench)
+
+    tau = system.dynamics(system.posture_with_tip(q), rigid)
+    return [_sum(tau, system.drives(qd, qdd))]
+
+
+def _bias(system: System, q: Sequence[Node], qd: Sequence[Node]) -> Outputs:
+    still = [0] * system.model.dof
+    bias = system.dynamics(system.posture(q), lambda arm: joint_torques(arm, qd, still))
+    return [_sum(bias, system.drives(qd, still))]
+
+
+def _gravity_vector(system: System, q: Sequence[Node]) -> Outputs:
+    still = [0] * system.model.dof
+    return [system.dynamics(system.posture(q), lambda arm: joint_torques(arm, still, still))]
+
+
+def _inertia_matrix(system: System, q: Sequence[Node]) -> Outputs:
+    rotors = system.rotors
+    return [system.dynamics(system.posture(q), lambda arm: _flat(joint_inertia(arm, rotors)))]
+
+
+def _coriolis_matrix(system: System, q: Sequence[Node], qd: Sequence[Node]) -> Outputs:
+    return [system.dynamics(system.posture(q), lambda arm: _flat(joint_coriolis(arm, qd)))]
+
+
+def _forward_dynamics(
+    system: System, q: Sequence[Node], qd: Sequence[Node], tau: Sequence[Node]
+) -> Outputs:
+    still, rotors = [0] * system.model.dof, system.rotors
+    left = [x - y for x, y in zip(tau, system.drives(qd, still), strict=True)]
+
+    def by_articulated_bodies(arm: Posture) -> Sequence[Scalar]:
+        return joint_accelerations(arm, rotors, qd, left)
+
+    def by_factorization(arm: Posture) -> Sequence[Scalar]:
+        bias = joint_torques(arm, qd, still)
+        factors = factorized(joint_inertia(arm, rotors), arm.links)
+        return solution(factors, [x - y for x, y in zip(left, bias, strict=True)])
+
+    try:
+        return [system.dynamics(system.posture(q), by_articulated_bodies, by_factorization)]
+    except ZeroDivisionError:
+        raise ValueError(
+            f"{system.model.name} has no forward dynamics: its inertia matrix is singular, as some "
+            "joint moves neither mass nor rotor"
+        ) from None
+
+
+def _forward_kinematics(system: System, q: Sequence[Node]) -> Outputs:
+    def pose(arm: Posture) -> Sequence[Scalar]:
+        tip = poses(arm)[-1]
+        rows = [(*row, x) for row, x in zip(tip.R, tip.p, strict=True)]
+        return _flat([*rows, (0, 0, 0, 1)])
+
+    return [system.geometry(q, pose)]
+
+
+def _jacobian(system: System, q: Sequence[Node]) -> Outputs:
+    return [system.geometry(q, lambda arm: _flat(tip_jacobian(arm)))]
+
+
+def _kinetic_energy(system: System, q: Sequence[Node], qd: Sequence[Node]) -> Outputs:
+    rotors = system.rotors
+    return [system.dynamics(system.posture(q), lambda arm: [energy_of_motion(arm, rotors, qd)])]
+
+
+def _potential_energy(system: System, q: Sequence[Node]) -> Outputs:
+    return [system.geometry(q, lambda arm: [energy_of_position(arm)])]
+
+
+def _flat(rows: Iterable[Iterable[Scalar]]) -> list[Scalar]:
+    return list(chain.from_iterable(rows))
+
+
+def _sum(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
+    return [x + y for x, y in zip(a, b, strict=True)]
 
 
 Q = Argument("q", ("n",), "rad or m", "joint positions")
@@ -76,6 +202,19 @@ QDD = Argument("qdd", ("n",), "rad/s^2 or m/s^2", "joint accelerations")
 TAU = Argument(
     "tau", ("n",), "N m or N", "joint torques, about the joint axes (forces, along them)"
 )
+WRENCH = Argument(
+    "wrench",
+    (6,),
+    "N, N m",
+    "force, then moment about the origin of frame n, on the last link; in frame 0",
+)
+T = Argument("T", (4, 4), "1, m", "pose of frame n in frame 0: [[R, p], [0, 1]]")
+J = Argument("J", (6, "n"), "m/rad, 1", "(v, omega) of frame n = J qd; in frame 0")
+M = Argument("M", ("n", "n"), "kg m^2 to kg", "inertia matrix, symmetric")
+C = Argument("C", ("n", "n"), "N m s to N s/m", "Coriolis matrix")
+G = Argument("G", ("n",), "N m or N", "torques (forces) against gravity")
+K = Argument("K", (), "J", "kinetic energy")
+P = Argument("P", (), "J", "potential energy, zero at the origin of frame 0")
 
 FUNCTIONS = {
     function.name: function
@@ -86,6 +225,73 @@ FUNCTIONS = {
             (TAU,),
             "Inverse dynamics: M(q) qdd + C(q, qd) qd + G(q), with rotor inertia and friction.",
             _tau,
+        ),
+        Function(
+            "tau_with_wrench",
+            (Q, QD, QDD, WRENCH),
+            (TAU,),
+            "Inverse dynamics against a wrench w that the environment exerts on the last link: "
+            "M(q) qdd + C(q, qd) qd + G(q) - J(q)^T w, with rotor inertia and friction.",
+            _tau_with_wrench,
+        ),
+        Function(
+            "bias",
+            (Q, QD),
+            (Argument("bias", ("n",), "N m or N", "torques (forces) for zero acceleration"),),
+            "What tau is without joint accelerations: C(q, qd) qd + G(q), with friction.",
+            _bias,
+        ),
+        Function(
+            "gravity_vector", (Q,), (G,), "Gravity vector G(q), the gradient of P.", _gravity_vector
+        ),
+        Function(
+            "inertia_matrix",
+            (Q,),
+            (M,),
+            "Inertia matrix M(q), rotor inertias on its diagonal.",
+            _inertia_matrix,
+        ),
+        Function(
+            "coriolis_matrix",
+            (Q, QD),
+            (C,),
+            "Coriolis matrix C(q, qd) of the Christoffel symbols: dM/dt - 2 C is skew-symmetric.",
+            _coriolis_matrix,
+        ),
+        Function(
+            "forward_dynamics",
+            (Q, QD, TAU),
+            (QDD,),
+            "Forward dynamics: the accelerations that joint torques cause, the inverse of tau.",
+            _forward_dynamics,
+        ),
+        Function(
+            "forward_kinematics",
+            (Q,),
+            (T,),
+            "Forward kinematics: the pose of the last frame.",
+            _forward_kinematics,
+        ),
+        Function(
+            "jacobian",
+            (Q,),
+            (J,),
+            "Jacobian of the last frame: velocity of its origin, angular velocity.",
+            _jacobian,
+        ),
+        Function(
+            "kinetic_energy",
+            (Q, QD),
+            (K,),
+            "Kinetic energy 1/2 qd^T M(q) qd, with that of the rotors.",
+            _kinetic_energy,
+        ),
+        Function(
+            "potential_energy",
+            (Q,),
+            (P,),
+            "Potential energy P(q): minus the sum of m_i g . r_Ci.",
+            _potential_energy,
         ),
     )
 }

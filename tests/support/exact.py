@@ -197,4 +197,5 @@ OPERATIONS = {
     "mul": operator.mul,
     "div": operator.truediv,
     "neg": operator.neg,
+    "sign": lambda x: (x > 0) - (x < 0),
 }
