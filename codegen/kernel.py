@@ -33,6 +33,7 @@ from moro_codegen.emit.c import emit as emit_c
 from moro_codegen.emit.describe import shape, version
 from moro_codegen.emit.numpy import emit as emit_numpy
 from moro_codegen.generate import Program, generate
+from moro_codegen.requested import Request, requested
 from moro_codegen.signature import Array, Run, Signature
 from moro_codegen.toolchain import Compiler, ToolchainError
 from platformdirs import user_cache_path
@@ -50,20 +51,24 @@ CHUNK = 4096
 
 def compile(
     robot: Robot,
-    functions: Sequence[str] = ("tau",),
+    functions: Sequence[Request] = ("tau",),
     directory: str | os.PathLike[str] | None = None,
     backend: Backend = "c",
 ) -> Kernel:
     """Return the kernel of a robot: its functions, compiled for the processor at hand.
 
-    ``functions`` are names of ``moro_codegen.FUNCTIONS``. Kernels are kept in ``directory``, by
+    ``functions`` are names of ``moro_codegen.FUNCTIONS``, functions of one's own, and tuples of
+    these for several in one call: ``("tau", mc.Function("height", robot.T[2, 3]), ("tau",
+    "inertia_matrix"))`` makes ``kernel.tau``, ``kernel.height`` and ``kernel.tau_inertia_matrix``,
+    which returns (tau, M) and computes once what they share. Kernels are kept in ``directory``, by
     default in the user's cache folder, and built only once for the same robot, functions, compiler
     and processor. ``backend="numpy"`` needs no compiler. Raises ToolchainError without one, and
     ValueError for a function that does not exist or a robot whose name is no C identifier.
     """
     start = time.perf_counter()
     model = robot.model()
-    program = generate(model, tuple(functions), robot.parameters)
+    reserved = {*dir(Kernel), *Kernel.__annotations__}
+    program = generate(model, requested(functions, robot, reserved), robot.parameters)
     generated = time.perf_counter() - start
     return build(
         program,
@@ -375,14 +380,13 @@ def _files_of(folder: Path) -> set[str]:
 
 @contextmanager
 def _lock(folder: Path) -> Iterator[None]:
-    """Let one process at a time look at a kernel's folder and build in it."""
+    """Let one process at a time look at a kernel's folder and build in it.
+
+    The lock's file stays: another process may be waiting for it, and a third would make a new one.
+    """
     folder.parent.mkdir(parents=True, exist_ok=True)
-    path = folder.parent / f".{folder.name}.lock"
-    with FileLock(path):
-        try:
-            yield
-        finally:
-            path.unlink(missing_ok=True)
+    with FileLock(folder.parent / f".{folder.name}.lock"):
+        yield
 
 
 def _hash(path: Path) -> str:
