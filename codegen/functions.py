@@ -14,6 +14,7 @@ from itertools import chain
 
 from moro_codegen.frames import equivalent_postures, turnable_parallels, unturned
 from moro_codegen.graph import Graph, Node, fewest
+from moro_codegen.singular import singular, unresisted
 
 from moro.algorithms.articulated_body import joint_accelerations
 from moro.algorithms.composite_rigid_body import joint_inertia
@@ -147,6 +148,8 @@ def _forward_dynamics(
     system: System, q: Sequence[Node], qd: Sequence[Node], tau: Sequence[Node]
 ) -> Outputs:
     still, rotors = [0] * system.model.dof, system.rotors
+    if joints := unresisted(system.model, rotors):
+        raise singular(system.model, joints)
     left = [x - y for x, y in zip(tau, system.drives(qd, still), strict=True)]
 
     def by_articulated_bodies(arm: Posture) -> Sequence[Scalar]:
@@ -159,11 +162,8 @@ def _forward_dynamics(
 
     try:
         return [system.dynamics(system.posture(q), by_articulated_bodies, by_factorization)]
-    except ZeroDivisionError:
-        raise ValueError(
-            f"{system.model.name} has no forward dynamics: its inertia matrix is singular, as some "
-            "joint moves neither mass nor rotor"
-        ) from None
+    except ZeroDivisionError:  # whatever the run-time parameters are
+        raise singular(system.model) from None
 
 
 def _forward_kinematics(system: System, q: Sequence[Node]) -> Outputs:
