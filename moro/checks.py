@@ -234,8 +234,8 @@ def limits(pair: Any, what: str) -> tuple[Any, Any]:
 
 def both_directions(value: Any, what: str, variables: Iterable[Any]) -> tuple[Any, Any]:
     """Return (forward, backward) from such a pair or from one value for both."""
-    single = isinstance(value, (str, bytes)) or not hasattr(value, "__iter__")
-    pair = [value, value] if single else sequence(value, what)
+    many = isinstance(value, (Iterable, sp.MatrixBase)) and not isinstance(value, (str, bytes))
+    pair = sequence(value, what) if many and getattr(value, "shape", None) != () else [value] * 2
     if len(pair) != 2:
         raise ValueError(f"{what} must be one value or (forward, backward), not {brief(value)}")
     forward, backward = (not_negative(x, what, variables) for x in pair)
