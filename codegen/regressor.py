@@ -1,0 +1,78 @@
+"""The regressor of an arm in its base parameters, as a function that can be generated.
+
+``Robot.base_parameters`` says which parameters those are: each is led by an inertial parameter of a
+link in Khalil's frame, by a rotor inertia, or by friction. The column of Y that belongs to it is
+what the torques are per unit of its leader.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from moro_codegen.convert import Converter
+from moro_codegen.functions import QD, QDD, Argument, Function, Outputs, Q, System
+from moro_codegen.graph import Node
+
+from moro.algorithms.kinematics import with_tip
+from moro.algorithms.posture import Posture
+from moro.algorithms.regressor import PARAMETERS, body_regressor
+from moro.algorithms.vectors import add, scaled, transpose
+from moro.model import Scalar
+from moro.robot import Robot
+
+
+def regressor(robot: Robot) -> Function:
+    """Return the function (q, qd, qdd) -> (Y, p) of a robot: tau = Y p.
+
+    Y (n x b) and p (b) are those of ``robot.regressor()``, in the order of
+    ``robot.base_parameters()``.
+    """
+    base = robot.base_parameters()
+    names = ", ".join(str(parameter.symbol) for parameter in base)
+
+    def build(
+        system: System, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]
+    ) -> Outputs:
+        arm = system.posture(q)
+        if robot.convention == "dh":
+            arm = at_common_normals(with_tip(arm, system.model.tip))
+        columns = list(zip(*body_regressor(arm, qd, qdd), strict=True))
+
+        def column(link: int, name: str) -> Sequence[Scalar]:
+            if name in PARAMETERS:
+                return columns[len(PARAMETERS) * link + PARAMETERS.index(name)]
+            sign = system.graph.sign(qd[link])
+            own = {"IA": qdd[link], "FV": qd[link], "FC": sign, "FD": sign * sign}[name]
+            return [own if i == link else 0 for i in range(robot.dof)]
+
+        rows = zip(*(column(*parameter.leader) for parameter in base), strict=True)
+        symbols = {s: system.graph.input("parameters", k) for k, s in enumerate(robot.parameters)}
+        values = map(Converter(system.graph, symbols), base.values)
+        zero = system.graph.zero
+        return [[x + zero for row in rows for x in row], list(values)]
+
+    return Function(
+        "regressor",
+        (Q, QD, QDD),
+        (
+            Argument("Y", ("n", len(base)), "SI", "torques (forces) per unit of each parameter"),
+            Argument("p", (len(base),), "SI", "base parameters, with the values of the model"),
+        ),
+        "Regressor: tau = Y(q, qd, qdd) p, friction and rotor inertia included. The base "
+        f"parameters p are, in this order, about the origins of Khalil's frames: {names}.",
+        build,
+    )
+
+
+def at_common_normals(arm: Posture) -> Posture:
+    """Return a standard DH arm with its last frame, in Khalil's frames and without the last.
+
+    There the origin of frame i is where the common normal to the axis of joint i + 1 begins.
+    """
+    links = list(arm.links)
+    for i in range(len(links) - 1):
+        x, y, z = links[i + 1].p
+        links[i] = replace(links[i], p=add(links[i].p, scaled(z, transpose(links[i].R)[2])))
+        links[i + 1] = replace(links[i + 1], p=(x, y, 0))
+    return replace(arm, links=tuple(links[:-1]))
