@@ -508,8 +508,10 @@ class Robot:
         Each is a combination of the links' inertial parameters XX_1, .., MX_1, .., M_1 (tensor,
         first moments and mass about the origin of Khalil's frame: z along joint i, x along the
         common normal to joint i + 1) with lengths and twists, and has a value in the symbols of
-        the model. Rotor inertias and friction are parameters too, if they are set. No smaller set
-        gives the same torques (``moro.base_parameters`` has the theory and the sources).
+        the model. XXR_2 is XX_2 with others that act alike. Rotor inertias (IA) and friction (FV
+        viscous; FC and FD Coulomb, half the sum of both directions and half the difference) are
+        parameters too, if they are set. No smaller set gives the same torques; theory and sources
+        are in ``moro.base_parameters``.
 
         Geometry and gravity decide which there are. A parameter whose value is zero is left out
         where zero is an assumption of the model (of a link given in symbols, of friction and
