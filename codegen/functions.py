@@ -12,8 +12,9 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
+from moro_codegen.differentiate import jacobian
 from moro_codegen.frames import equivalent_postures, turnable_parallels, unturned
-from moro_codegen.graph import Graph, Node, fewest
+from moro_codegen.graph import Graph, Node, fewest, replaced
 from moro_codegen.singular import singular, unresisted
 
 from moro.algorithms.articulated_body import joint_accelerations
@@ -166,6 +167,50 @@ def _forward_dynamics(
         raise singular(system.model) from None
 
 
+def _tau_derivatives(
+    system: System, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]
+) -> Outputs:
+    def derivatives(arm: Posture) -> Sequence[Scalar]:
+        return _flat((*_slopes(system, arm, q, qd, qdd), _flat(joint_inertia(arm, system.rotors))))
+
+    return _thirds(system.dynamics(system.posture(q), derivatives))
+
+
+def _forward_dynamics_derivatives(
+    system: System, q: Sequence[Node], qd: Sequence[Node], tau: Sequence[Node]
+) -> Outputs:
+    (caused,) = _forward_dynamics(system, q, qd, tau)
+    qdd = [system.graph.input("qdd", k) for k in range(len(q))]
+
+    def derivatives(arm: Posture) -> Sequence[Scalar]:
+        """M dqdd = dtau - (dtau/dq) dq - (dtau/dqd) dqd, for the qdd that tau causes."""
+        factors = factorized(joint_inertia(arm, system.rotors), arm.links)
+        by_q, by_qd = _slopes(system, arm, q, qd, qdd)
+        n = range(len(q))
+        columns = [[-x for x in by[j :: len(q)]] for by in (by_q, by_qd) for j in n]
+        columns += [[int(i == j) for i in n] for j in n]
+        solved = [solution(factors, column) for column in columns]
+        blocks = (solved[k * len(q) : (k + 1) * len(q)] for k in range(3))
+        slopes = [system.graph.constant(b[j][i]) for b in blocks for i in n for j in n]
+        return replaced(slopes, dict(zip(qdd, caused, strict=True)))
+
+    return _thirds(system.dynamics(system.posture(q), derivatives))
+
+
+def _slopes(
+    system: System, arm: Posture, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]
+) -> tuple[list[Node], list[Node]]:
+    """Return d tau/dq and d tau/dqd, flat."""
+    tau = _sum(joint_torques(arm, qd, qdd), system.drives(qd, qdd))
+    nodes = [system.graph.constant(x) for x in tau]
+    return _flat(jacobian(nodes, q)), _flat(jacobian(nodes, qd))
+
+
+def _thirds(entries: Sequence[Node]) -> Outputs:
+    third = len(entries) // 3
+    return [entries[k * third : (k + 1) * third] for k in range(3)]
+
+
 def _forward_kinematics(system: System, q: Sequence[Node]) -> Outputs:
     def pose(arm: Posture) -> Sequence[Scalar]:
         tip = poses(arm)[-1]
@@ -213,6 +258,11 @@ J = Argument("J", (6, "n"), "m/rad, 1", "(v, omega) of frame n = J qd; in frame 
 M = Argument("M", ("n", "n"), "kg m^2 to kg", "inertia matrix, symmetric")
 C = Argument("C", ("n", "n"), "N m s to N s/m", "Coriolis matrix")
 G = Argument("G", ("n",), "N m or N", "torques (forces) against gravity")
+TAU_BY_Q = Argument("dtau_dq", ("n", "n"), "N m/rad to N/m", "d tau_i/d q_j")
+TAU_BY_QD = Argument("dtau_dqd", ("n", "n"), "N m s/rad to N s/m", "d tau_i/d qd_j")
+QDD_BY_Q = Argument("dqdd_dq", ("n", "n"), "1/s^2", "d qdd_i/d q_j")
+QDD_BY_QD = Argument("dqdd_dqd", ("n", "n"), "1/s", "d qdd_i/d qd_j")
+QDD_BY_TAU = Argument("dqdd_dtau", ("n", "n"), "1/(kg m^2) to 1/kg", "d qdd_i/d tau_j: 1/M")
 K = Argument("K", (), "J", "kinetic energy")
 P = Argument("P", (), "J", "potential energy, zero at the origin of frame 0")
 
@@ -264,6 +314,21 @@ FUNCTIONS = {
             (QDD,),
             "Forward dynamics: the accelerations that joint torques cause, the inverse of tau.",
             _forward_dynamics,
+        ),
+        Function(
+            "tau_derivatives",
+            (Q, QD, QDD),
+            (TAU_BY_Q, TAU_BY_QD, M),
+            "Derivatives of tau with respect to q, qd and qdd (that is M); Coulomb friction, which "
+            "jumps, has none.",
+            _tau_derivatives,
+        ),
+        Function(
+            "forward_dynamics_derivatives",
+            (Q, QD, TAU),
+            (QDD_BY_Q, QDD_BY_QD, QDD_BY_TAU),
+            "Derivatives of forward_dynamics with respect to q, qd and tau.",
+            _forward_dynamics_derivatives,
         ),
         Function(
             "forward_kinematics",

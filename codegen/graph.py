@@ -13,7 +13,7 @@ outwards (a + (-b) = a - b, (-a) b = -(a b)), so constants are positive; operand
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias, Union
 
@@ -280,6 +280,15 @@ def schedule(results: Iterable[Node]) -> list[Node]:
             needed.add(node)
             stack.extend(node.args)
     return sorted(needed, key=lambda node: node.index)
+
+
+def replaced(results: Sequence[Node], new: Mapping[Node, Node]) -> list[Node]:
+    """Return the results with nodes replaced by others."""
+    found = dict(new)
+    for node in schedule(results):
+        if node not in found:
+            found[node] = node.graph.remake(node, [found.get(a, a) for a in node.args])
+    return [found.get(node, node) for node in results]
 
 
 def count(nodes: Sequence[Node]) -> dict[str, int]:
