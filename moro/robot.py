@@ -14,6 +14,7 @@ from moro.abc import t
 from moro.base_parameters import BaseParameter, BaseParameters, base_parameters
 from moro.chain import Chain
 from moro.closed_form import Arm, ClosedForm
+from moro.collect import Collector
 from moro.display import Display
 from moro.from_dh import model_from_dh
 from moro.model import Model
@@ -429,13 +430,16 @@ class Robot:
 
     # -- equations of motion ----------------------------------------------------------------------
 
-    def inertia_matrix(self) -> sp.Matrix:
+    def inertia_matrix(self, collect: bool = False) -> Any:
         """M = sum of m Jv^T Jv + Jw^T R I R^T Jw, rotor inertias on the diagonal (n x n).
 
         By Jacobians, as in Spong, Hutchinson & Vidyasagar, Robot Modeling and Control, section 7.2,
-        and Siciliano et al., Robotics, section 7.1.
+        and Siciliano et al., Robotics, section 7.1. ``collect=True`` names the combinations of
+        masses, lengths and inertias in it and returns a ``Collected``.
         """
         self._needed("masses", "cm_positions", "inertia_tensors")
+        if collect:
+            return self._collector.inertia_matrix()
         return self._matrix("M", lambda: self._form.inertia_matrix)
 
     def christoffel_symbols(self, i: int, j: int, k: int, M: Any) -> Any:
@@ -453,15 +457,22 @@ class Robot:
         )
         return self._show(total * self._ring.half)
 
-    def coriolis_matrix(self) -> sp.Matrix:
-        """C with C_ij = sum_k c_ijk qd_k (n x n): dM/dt - 2 C is skew-symmetric."""
+    def coriolis_matrix(self, collect: bool = False) -> Any:
+        """C with C_ij = sum_k c_ijk qd_k (n x n): dM/dt - 2 C is skew-symmetric.
+
+        ``collect=True`` writes it in the constants that it has in common with M.
+        """
         self._warn_if_static("coriolis_matrix")
         self._needed("masses", "cm_positions", "inertia_tensors")
+        if collect:
+            return self._collector.coriolis_matrix()
         return self._coriolis_matrix()
 
-    def gravity_vector(self) -> sp.Matrix:
-        """G = grad P (n x 1)."""
+    def gravity_vector(self, collect: bool = False) -> Any:
+        """G = grad P (n x 1); ``collect=True`` names its constants."""
         self._needed("masses", "cm_positions", "gravity")
+        if collect:
+            return self._collector.gravity_vector()
         return self._matrix("G", lambda: [[x] for x in self._form.gravity_vector])
 
     def friction_vector(self) -> sp.Matrix:
@@ -473,10 +484,16 @@ class Robot:
         self._warn_if_static("friction_vector")
         return sp.Matrix([self._friction(i) for i in range(self.dof)])
 
-    def dynamic_model(self) -> list[Any]:
-        """Euler-Lagrange equations d/dt dL/dqd_i - dL/dq_i = tau_i, friction on the left if set."""
+    def dynamic_model(self, collect: bool = False) -> Any:
+        """Euler-Lagrange equations d/dt dL/dqd_i - dL/dq_i = tau_i, friction on the left if set.
+
+        ``collect=True`` writes them in the constants of M and G: ``Collected.equations``.
+        """
         self._warn_if_static("dynamic_model")
         self._needed("masses", "cm_positions", "inertia_tensors", "gravity")
+        if collect:
+            friction = [self._friction(i) for i in range(self.dof)]
+            return self._collector.equations(friction, self._taus())
         left = self._matrix("EL", lambda: [[x] for x in self._euler_lagrange()])
         friction = [self._friction(i) for i in range(self.dof)]
         taus = self._taus()
@@ -615,6 +632,13 @@ class Robot:
                 decimal=bool(self._with_floats),
             )
         return self._display
+
+    @property
+    def _collector(self) -> Collector:
+        if "collector" not in self._results:
+            self._results["collector"] = Collector(self._form, self._shown_by, self.parameters)
+        collector: Collector = self._results["collector"]
+        return collector
 
     def _matrix(self, key: Any, entries: Callable[[], Sequence[Sequence[Trig]]]) -> sp.Matrix:
         if key not in self._results:

@@ -1,0 +1,65 @@
+"""Equations one below the other, right-hand sides broken into lines: in LaTeX and in HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from moro.typeset import Formula, Line, broken, latex, mathml, width
+
+#: the relation sign with its spaces [em]
+_RELATION = 1.5
+
+
+@dataclass(frozen=True)
+class Equation:
+    """left = right."""
+
+    left: Formula
+    right: Formula
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of an equation: the left-hand side stands on the first one only."""
+
+    left: Formula | None
+    line: Line
+
+
+def rows(equations: Sequence[Equation], limit: float) -> Iterator[Row]:
+    """Yield the lines of equations that are aligned at the equals sign, ``limit`` em wide."""
+    room = limit - max((width(x.left) for x in equations), default=0.0) - _RELATION
+    for equation in equations:
+        for i, line in enumerate(broken(equation.right, room)):
+            yield Row(None if i else equation.left, line)
+
+
+def latex_rows(equations: Sequence[Equation], limit: float) -> list[str]:
+    r"""Return the lines for an ``align*`` or ``aligned`` environment, without ``\\``."""
+    return [_latex_row(row) for row in rows(equations, limit)]
+
+
+def html_table(equations: Sequence[Equation], limit: float) -> str:
+    """Return a table with the equations in MathML."""
+    body = "\n".join(_html_row(row) for row in rows(equations, limit))
+    return f'<table class="equations">\n{body}\n</table>'
+
+
+def _latex_row(row: Row) -> str:
+    if row.left is None:
+        return rf"&\hspace{{{row.line.indent + _RELATION:g}em}}{latex(row.line.boxes)}"
+    return f"{latex(row.left)} &= {latex(row.line.boxes)}"
+
+
+def _html_row(row: Row) -> str:
+    indent = f' style="padding-left:{row.line.indent:g}em"' if row.line.indent else ""
+    left = "" if row.left is None else math(row.left)
+    relation = "" if row.left is None else "<math><mo>=</mo></math>"
+    right = math(row.line.boxes)
+    return f"<tr><td>{left}</td><td>{relation}</td><td{indent}>{right}</td></tr>"
+
+
+def math(formula: Formula) -> str:
+    """Return a formula as an element ``math``, in displayed style."""
+    return f'<math><mstyle displaystyle="true">{mathml(formula)}</mstyle></math>'

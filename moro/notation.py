@@ -1,0 +1,312 @@
+r"""The notation of the texts: ``sin(q_2(t) + q_3(t))*Derivative(q_1(t), t)`` as s_{23} \dot q_1.
+
+``Notation`` makes formulas (``moro.typeset``) of SymPy expressions. Terms and factors get the order
+of the texts: masses and lengths, then sines and cosines by joint, then velocities; accelerations
+before velocities before what depends on neither.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import sympy as sp
+
+from moro.markup import markup
+from moro.typeset import (
+    CLOSE,
+    GREEK,
+    MINUS,
+    NEGATIVE,
+    OPEN,
+    PLUS,
+    SPACE,
+    Box,
+    Formula,
+    dotted,
+    fraction,
+    function,
+    letter,
+    matrix,
+    number,
+    root,
+    scripts,
+    text,
+    width,
+)
+
+#: fractions with larger denominators are printed as decimals
+_MAX_DENOMINATOR = 12
+#: a bracket wider than this goes to the end of its product [em]
+_LONG_BRACKET = 36.0
+#: a numerator wider than this stands behind its fraction [em]
+_LONG_NUMERATOR = 12.0
+#: what products begin with, and what sums end with
+_FIRST, _LAST = "mM", "IJ"
+_INERTIAS = 2
+_NAME = re.compile(r"([^\W\d_]+)(?:_\{?|(?=\d))(.+?)\}?")
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A factor of a product, or a term of a sum, with its place in the order."""
+
+    key: tuple[Any, ...]
+    boxes: Formula
+    negative: bool = False
+    #: (-order, joint) of the derivatives in it
+    motion: Sequence[tuple[int, int]] = ()
+
+
+class Notation:
+    """How the formulas of one robot are written.
+
+    ``variables`` are the joint variables, in order; ``symbols`` all other symbols of the model.
+    ``digits``: significant digits of decimals.
+    """
+
+    def __init__(self, variables: Sequence[Any] = (), symbols: Iterable[Any] = (), digits: int = 5):
+        self._joints = {q: i for i, q in enumerate(variables, 1)}
+        self._digits = digits
+        self._factors: dict[Any, _Part] = {}
+        #: whether s_2 and c_2 are free to stand for sin(q_2) and cos(q_2)
+        self.short = not any(re.fullmatch(r"[sc]_?\{?\d+\}?", str(x)) for x in symbols)
+
+    def formula(self, expr: Any) -> Formula:
+        """Return an expression as a formula."""
+        terms = sorted(map(self._term, sp.Add.make_args(sp.sympify(expr))), key=_by_key)
+        terms.insert(0, terms.pop(_first_to_write(terms)))
+        formula: Formula = []
+        for i, term in enumerate(terms):
+            if i:
+                formula.append(MINUS if term.negative else PLUS)
+            elif term.negative:
+                formula.append(NEGATIVE)
+            formula += term.boxes
+        return formula
+
+    def matrix(self, entries: Any) -> Box:
+        """Return a matrix of expressions."""
+        return matrix([[self.formula(x) for x in row] for row in sp.Matrix(entries).tolist()])
+
+    def short_sine(self, joints: Sequence[int], name: str = "s") -> Box:
+        """Return s_{23}, the sine of the sum of joint variables 2 and 3, or c_{23}."""
+        return scripts(letter(name), self._indices(joints))
+
+    # -- terms ------------------------------------------------------------------------------------
+
+    def _term(self, term: Any) -> _Part:
+        coefficient, rest = term.as_coeff_Mul()
+        above, below = [], []
+        for factor in sp.Mul.make_args(rest):
+            base, exponent = factor.as_base_exp()
+            if exponent.is_Rational and exponent < 0:
+                below.append(sp.Pow(base, -exponent))
+            elif factor != 1:
+                above.append(factor)
+        factors = sorted(map(self._factor, above), key=_by_key)
+        boxes = self._quotient(abs(coefficient), factors, below)
+        key = self._term_key(factors)
+        return _Part(key, boxes, bool(coefficient < 0), key[0])
+
+    def _quotient(self, c: Any, factors: Sequence[_Part], below: Sequence[Any]) -> Formula:
+        """Return c * factors / below, a fraction where it stays small."""
+        above = _joined(factor.boxes for factor in factors)
+        plain = all(factor.key[0] == 0 for factor in factors)
+        if c.is_Rational and c.q > 1 and (below or plain) and c.q <= _MAX_DENOMINATOR:
+            below, c = [sp.Integer(c.q), *below], sp.Integer(c.p)
+        if not below:
+            return _joined([self._number(c), above]) if c != 1 or not above else above
+        denominator = _joined(self._factor(x).boxes for x in below)
+        if c != 1 or not above or width(above) > _LONG_NUMERATOR:
+            return _joined([[fraction(self._number(c), denominator)], above])
+        return [fraction(above, denominator)]
+
+    def _term_key(self, parts: Sequence[_Part]) -> tuple[Any, ...]:
+        """Order of terms: accelerations, velocities, the rest; then by names; then by sines."""
+        rates = sorted(x for part in parts for x in part.motion)
+        names = [part.key[1] for part in parts if part.key[0] == 1]
+        inertial = any(name[0] == _INERTIAS for name in names)
+        moving = [part.key[1:] for part in parts if part.key[0] >= 3]
+        return (rates or [(1,)], inertial, bool(moving), names, len(moving), moving)
+
+    def _motion(self, factor: Any) -> list[tuple[int, int]]:
+        """Return (-order, joint) of the derivatives that occur in a factor."""
+        derivatives = map(self._derivative, factor.atoms(sp.Derivative))
+        return sorted((-order, joint) for order, joint in derivatives)
+
+    # -- factors ----------------------------------------------------------------------------------
+
+    def _factor(self, factor: Any) -> _Part:
+        found = self._factors.get(factor)
+        if found is None:
+            found = replace(self._new_factor(factor), motion=self._motion(factor))
+            self._factors[factor] = found
+        return found
+
+    def _new_factor(self, factor: Any) -> _Part:
+        base, exponent = factor.as_base_exp()
+        above = self.formula(exponent) if exponent != 1 else None
+        if exponent == sp.Rational(1, 2):
+            return _Part((self._rank(base), 0), [root(self.formula(base))])
+        parts = self._letter_and_index(base)
+        if parts is not None:
+            return _Part(self._key(base), [scripts(*parts, above)])
+        if isinstance(base, sp.Function) and all(isinstance(x, sp.Expr) for x in base.args):
+            name, arguments = function(base.func.__name__), base.args
+            boxes = [scripts(name, None, above), *self._bracket(*arguments)]
+            return _Part(self._key(base), boxes)
+        if base.is_Number:
+            return _Part((0, 0), _powered(self._number(base), above))
+        if base.is_Add or base.is_Mul:
+            boxes = _powered(self._bracket(base), above)
+            late = width(boxes) > _LONG_BRACKET
+            return _Part((9 if late else self._rank(base), 0), boxes)
+        return _Part((9, 0), _powered([text(str(base))], above))
+
+    def _bracket(self, *expressions: Any) -> Formula:
+        boxes = [OPEN]
+        for i, expr in enumerate(expressions):
+            boxes += [*([Box(",", "<mo>,</mo>", 0.45)] if i else []), *self.formula(expr)]
+        return [*boxes, CLOSE]
+
+    def _letter_and_index(self, x: Any) -> tuple[Box, Formula | None] | None:
+        """Return what an exponent goes beside: a letter and its subscript; None for others."""
+        if x in (sp.pi, sp.E):
+            return letter("pi" if x is sp.pi else "e"), None
+        if x.is_Symbol:
+            return symbol(x.name)
+        if x.is_Derivative:
+            base, index = symbol(_name(x.expr))
+            order, _ = self._derivative(x)
+            return (dotted(base, order), index) if order <= 2 else None
+        if isinstance(x, (sp.sin, sp.cos)) and self.short:
+            joints = self._summed_joints(x.args[0])
+            if joints:
+                return letter("s" if isinstance(x, sp.sin) else "c"), self._indices(joints)
+        if isinstance(x, sp.core.function.AppliedUndef):
+            return symbol(_name(x))
+        return None
+
+    def _key(self, x: Any) -> tuple[Any, ...]:
+        rank = self._rank(x)
+        if rank == 1:
+            return (1, _natural(str(x)))
+        angle = x.args[0] if isinstance(x, (sp.sin, sp.cos)) else x
+        joints = sorted(self._joints.get(q, 0) for q in _variables(angle))
+        return (rank, joints, type(x) is not sp.sin)
+
+    def _rank(self, x: Any) -> int:
+        """Place in a product: numbers, symbols, their sums, joints, sines, sums, rates, sums."""
+        if x.is_number:
+            return 0
+        if x.is_Symbol and x not in self._joints:
+            return 1
+        if x.has(sp.Derivative):
+            return 8 if x.is_Add else 7
+        if not any(q in self._joints for q in _variables(x)):
+            return 2
+        if x in self._joints:
+            return 3
+        return 5 if x.is_Add else 4
+
+    def _derivative(self, x: Any) -> tuple[int, int]:
+        """Return (order, joint) of a derivative with respect to time."""
+        return sum(int(count) for _, count in x.variable_count), self._joints.get(x.expr, 0)
+
+    def _summed_joints(self, angle: Any) -> list[int]:
+        """Return the joints whose variables' plain sum is the angle, or none."""
+        terms = sp.Add.make_args(angle)
+        known = all(term in self._joints for term in terms)
+        return sorted(self._joints[term] for term in terms) if known else []
+
+    def _indices(self, joints: Sequence[int]) -> Formula:
+        comma = "," if len(self._joints) > 9 and len(joints) > 1 else ""
+        return markup(comma.join(map(str, joints)))
+
+    # -- numbers ----------------------------------------------------------------------------------
+
+    def _number(self, x: Any) -> Formula:
+        """Return a positive number, or one in brackets."""
+        if x < 0:
+            return [OPEN, NEGATIVE, *self._number(-x), CLOSE]
+        if x.is_Integer:
+            return [number(str(x))]
+        if x.is_Rational and x.q <= _MAX_DENOMINATOR and not _is_decimal(x):
+            return [fraction([number(str(x.p))], [number(str(x.q))])]
+        mantissa, _, exponent = f"{float(x):.{self._digits}g}".partition("e")
+        if not exponent:
+            return [number(mantissa)]
+        power = [NEGATIVE] if exponent[0] == "-" else []
+        power.append(number(exponent.lstrip("+-0")))
+        return [number(mantissa), *markup(r"\cdot"), scripts(number("10"), None, power)]
+
+
+def _by_key(part: _Part) -> tuple[Any, ...]:
+    return part.key
+
+
+def _first_to_write(terms: Sequence[_Part]) -> int:
+    """Return which term comes first: a positive one, if it is not moved past other rates."""
+    alike = (i for i, term in enumerate(terms) if term.motion == terms[0].motion)
+    return next((i for i in alike if not terms[i].negative), 0)
+
+
+def symbol(name: str) -> tuple[Box, Formula | None]:
+    """Return the letter and the subscript of a symbol's name: ``I_{x_1x_1}``, ``lc_2``, ``J1``."""
+    match = _NAME.fullmatch(name)
+    if not match:
+        return (letter(name), None) if name.isalpha() else (text(name), None)
+    base, index = match.groups()
+    if base == "lc":
+        base, index = "l", f"c{index}"
+    try:
+        return letter(base), _subscript(index)
+    except ValueError:
+        return text(name), None
+
+
+def _subscript(index: str) -> Formula:
+    if not re.fullmatch(r"[A-Za-z0-9_{},]+", index):
+        raise ValueError(index)
+    words = index.split("_")
+    if all(word.isalpha() and (len(word) > 3 or word in GREEK) for word in words[:1]):
+        boxes = [letter(word) if word in GREEK else text(word) for word in words]
+        return _joined([[box] for box in boxes])
+    return markup(index)
+
+
+def _joined(factors: Iterable[Formula]) -> Formula:
+    """Return factors side by side, with a little space between."""
+    joined: Formula = []
+    for boxes in factors:
+        if boxes:
+            joined += [SPACE, *boxes] if joined else boxes
+    return joined
+
+
+def _powered(boxes: Formula, above: Formula | None) -> Formula:
+    return [*boxes[:-1], scripts(boxes[-1], None, above)] if above else boxes
+
+
+def _name(x: Any) -> str:
+    return str(x.func.__name__ if isinstance(x, sp.Function) else x)
+
+
+def _variables(x: Any) -> set[Any]:
+    found: set[Any] = x.atoms(sp.core.function.AppliedUndef) | x.free_symbols
+    return found
+
+
+def _natural(name: str) -> tuple[Any, ...]:
+    """Sort key of a symbol: masses first, inertias last, k_2 before k_10."""
+    rank = 0 if name[0] in _FIRST else _INERTIAS if name[0] in _LAST else 1
+    pieces = re.split(r"(\d+)", name)
+    return (rank, *((0, int(x), "") if x.isdigit() else (1, 0, x) for x in pieces if x))
+
+
+def _is_decimal(x: Any) -> bool:
+    """Whether a fraction reads better as a decimal: a tenth, but not a half."""
+    return x.q in (5, 10)
