@@ -184,14 +184,13 @@ def _forward_dynamics_derivatives(
 
     def derivatives(arm: Posture) -> Sequence[Scalar]:
         """M dqdd = dtau - (dtau/dq) dq - (dtau/dqd) dqd, for the qdd that tau causes."""
-        factors = factorized(joint_inertia(arm, system.rotors), arm.links)
+        n, factors = len(q), factorized(joint_inertia(arm, system.rotors), arm.links)
         by_q, by_qd = _slopes(system, arm, q, qd, qdd)
-        n = range(len(q))
-        columns = [[-x for x in by[j :: len(q)]] for by in (by_q, by_qd) for j in n]
-        columns += [[int(i == j) for i in n] for j in n]
-        solved = [solution(factors, column) for column in columns]
-        blocks = (solved[k * len(q) : (k + 1) * len(q)] for k in range(3))
-        slopes = [system.graph.constant(b[j][i]) for b in blocks for i in n for j in n]
+        by_tau = [system.graph.constant(int(i == j)) for i in range(n) for j in range(n)]
+        slopes = []
+        for block in ([-x for x in by_q], [-x for x in by_qd], by_tau):
+            columns = [solution(factors, block[j::n]) for j in range(n)]
+            slopes += [system.graph.constant(x) for row in zip(*columns, strict=True) for x in row]
         return replaced(slopes, dict(zip(qdd, caused, strict=True)))
 
     return _thirds(system.dynamics(system.posture(q), derivatives))
