@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy as sp
-from moro_codegen.graph import Graph, Node, Operand
+from moro_codegen.graph import Graph, Node
+
+#: a number times powers of nodes
+Term: TypeAlias = "tuple[Node, Counter[Node]]"
 
 #: functions of SymPy that C's math.h knows
 CALLS = {
     sp.tan: "tan", sp.asin: "asin", sp.acos: "acos", sp.atan: "atan", sp.atan2: "atan2",
-    sp.sinh: "sinh", sp.cosh: "cosh", sp.tanh: "tanh", sp.exp: "exp", sp.log: "log",
-    sp.Abs: "fabs",
+    sp.sinh: "sinh", sp.cosh: "cosh", sp.tanh: "tanh", sp.asinh: "asinh", sp.acosh: "acosh",
+    sp.atanh: "atanh", sp.exp: "exp", sp.log: "log", sp.Abs: "fabs",
 }  # fmt: skip
+
+#: functions of SymPy that are one over a sine, cosine or tangent
+RECIPROCALS = {sp.csc: sp.sin, sp.sec: sp.cos, sp.cot: sp.tan}
 
 
 class Converter:
@@ -39,19 +46,59 @@ class Converter:
             return graph.constant(Fraction(int(value.p), int(value.q)))
         if value.is_number:
             return graph.constant(_real(value))
-        if value.is_Add or value.is_Mul:
-            nodes = [self(arg) for arg in value.args]
-            total: Operand = nodes[0]
-            for node in nodes[1:]:
-                total = total + node if value.is_Add else total * node
-            return graph.constant(total)
+        if value.is_Add:
+            return self._sum([self._term(term) for term in value.args])
+        if value.is_Mul:
+            return self._product(*self._term(value))
         if value.is_Pow:
             return self._power(*value.args)
         if value.func in (sp.sin, sp.cos, sp.sign):
             return getattr(graph, value.func.__name__)(self(value.args[0]))  # type: ignore[no-any-return]
         if value.func in CALLS:
             return graph.call(CALLS[value.func], *[self(arg) for arg in value.args])
+        if value.func in RECIPROCALS:
+            return 1 / self(RECIPROCALS[value.func](value.args[0]))
         raise ValueError(f"{value} is neither a number nor an expression of the parameters")
+
+    def _term(self, term: Any) -> Term:
+        """Return a term of a sum as a number and the factors behind it."""
+        number, factors = self.graph.one, Counter[Node]()
+        for factor in term.args if term.is_Mul else (term,):
+            if factor.is_number:
+                number = number * self(factor)
+            elif factor.is_Pow and factor.exp.is_Integer:
+                base = self(factor.base)
+                power = int(factor.exp)
+                factors[base if power > 0 else 1 / base] += abs(power)
+            else:
+                factors[self(factor)] += 1
+        return number, factors
+
+    def _sum(self, terms: Sequence[Term]) -> Node:
+        """Return a sum; the factor that most of its terms have is taken out of them, and so on."""
+        shared = Counter(factor for _, factors in terms for factor in factors)
+        factor = min(shared, key=lambda x: (-shared[x], x.index), default=None)
+        if factor is None or shared[factor] < 2:
+            total = self.graph.zero
+            for number, factors in terms:
+                total = total + self._product(number, factors)
+            return total
+        one = Counter([factor])
+        inside = self._sum([(number, rest - one) for number, rest in terms if factor in rest])
+        outside = self._sum([(number, rest) for number, rest in terms if factor not in rest])
+        return self._product(self.graph.one, Counter([factor, inside])) + outside
+
+    def _product(self, number: Node, factors: Counter[Node]) -> Node:
+        """Return a product, as one division if there is something to divide by.
+
+        The number comes last, so that products share what they have without it.
+        """
+        above, below = self.graph.one, self.graph.one
+        for factor in sorted(factors, key=lambda x: x.index):
+            inverse = factor.op == "div" and factor.args[0] is self.graph.one
+            power = _integer_power(factor.args[1] if inverse else factor, factors[factor])
+            above, below = (above, below * power) if inverse else (above * power, below)
+        return number * above / below
 
     def _power(self, base: Any, exponent: Any) -> Node:
         graph, node = self.graph, self(base)

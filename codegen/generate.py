@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from moro_codegen.convert import Converter
@@ -56,18 +57,18 @@ class Program:
 
 def generate(
     model: Model,
-    functions: Sequence[str] = ("tau",),
+    functions: Sequence[str | Function] = ("tau",),
     parameters: Mapping[Any, Any] | None = None,
     *,
     rigid: bool = False,
 ) -> Program:
-    """Return the program of the functions named.
+    """Return the program of the functions, which are given or named.
 
     ``parameters`` maps every symbol of the model to its default, or to None: the k-th becomes the
     input ("parameters", k). ``rigid`` leaves out rotor inertia and friction.
     """
     parameters = parameters or {}
-    unknown = [name for name in functions if name not in FUNCTIONS]
+    unknown = [name for name in functions if isinstance(name, str) and name not in FUNCTIONS]
     if unknown:
         raise ValueError(f"unknown functions {unknown}; there are {sorted(FUNCTIONS)}")
     graph = Graph()
@@ -77,20 +78,33 @@ def generate(
         model.name,
         model.dof,
         tuple(joint.kind for joint in model.joints),
-        tuple(
-            Parameter(str(symbol), None if default is None else float(default), "")
-            for symbol, default in parameters.items()
-        ),
-        tuple(routine(system, FUNCTIONS[name]) for name in functions),
+        run_time_parameters(parameters),
+        tuple(routine(system, FUNCTIONS[f] if isinstance(f, str) else f) for f in functions),
+    )
+
+
+def run_time_parameters(defaults: Mapping[Any, Any]) -> tuple[Parameter, ...]:
+    """Return the parameters with these symbols and defaults (None: no default)."""
+    return tuple(
+        Parameter(str(symbol), None if default is None else float(default), "")
+        for symbol, default in defaults.items()
     )
 
 
 def routine(system: System, function: Function) -> Routine:
     """Return the routine of one function."""
-    inputs = tuple(_resolved(argument, system.model.dof) for argument in function.inputs)
-    outputs = tuple(_resolved(argument, system.model.dof) for argument in function.outputs)
-    nodes = [[system.graph.input(a.name, k) for k in range(_size(a))] for a in inputs]
-    results = factored([x for output in function.build(system, *nodes) for x in output])
+    build = partial(function.build, system)
+    return arranged(function, system.graph, system.model.dof, build)
+
+
+def arranged(
+    function: Function, graph: Graph, dof: int, build: Callable[..., Sequence[Sequence[Node]]]
+) -> Routine:
+    """Return the routine of what ``build`` makes of a function's inputs."""
+    inputs = tuple(_resolved(argument, dof) for argument in function.inputs)
+    outputs = tuple(_resolved(argument, dof) for argument in function.outputs)
+    nodes = [[graph.input(a.name, k) for k in range(_size(a))] for a in inputs]
+    results = factored([x for output in build(*nodes) for x in output])
     order, angles = _angles_first(schedule(results))
     return Routine(function, inputs, outputs, order, angles, results, count(order))
 

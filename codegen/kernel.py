@@ -218,7 +218,7 @@ class Kernel:
         code = builtins.compile(self.source.read_text(encoding="utf-8"), str(self.source), "exec")
         exec(code, module.__dict__)  # noqa: S102 - as much ours as the shared library is
         for name, s in self.signatures.items():
-            yield name, s.checked(_in_chunks(getattr(module, name), s))
+            yield name, s.checked(in_chunks(getattr(module, name), s))
 
 
 def _function_of(directory: Path, name: str) -> Function:
@@ -234,7 +234,7 @@ def _through(batch: np.ufunc) -> Run:
     return run
 
 
-def _in_chunks(function: Callable[..., Any], signature: Signature) -> Run:
+def in_chunks(function: Callable[..., Any], signature: Signature) -> Run:
     """Return a run of a NumPy function that goes through many samples CHUNK by CHUNK."""
     several = len(signature.outputs) > 1
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import keyword
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from moro_codegen.emit.describe import (
@@ -63,14 +64,36 @@ def _lines(program: Program, routine: Routine) -> Iterator[str]:
         yield f"{a.name} = np.asarray({a.name}, dtype=float)"
     leading = ", ".join(f"{a.name}.shape[: {a.name}.ndim - {len(a.shape)}]" for a in inputs)
     yield f"samples = np.broadcast_shapes({leading})"
-    for statement in text.statements:
-        yield from _statement(statement, {a.name: shape(a) for a in inputs})
+    shapes = {a.name: shape(a) for a in inputs}
+    lines = [line for statement in text.statements for line in _statement(statement, shapes)]
     results = iter(text.results)
     for a in outputs:
-        yield f"{a.name} = np.empty(samples + {shape(a)})"
-        for k in range(size(a)):
-            yield f"{a.name}[{_index(shape(a), k)}] = {next(results)}"
+        lines.append(f"{a.name} = np.empty(samples + {shape(a)})")
+        lines += [f"{a.name}[{_index(shape(a), k)}] = {next(results)}" for k in range(size(a))]
+    yield from _forgetting(lines, {name for s in text.statements for name in _computed(s)})
     yield f"return {', '.join(a.name for a in outputs)}"
+
+
+def _forgetting(lines: Sequence[str], names: Collection[str]) -> Iterator[str]:
+    """Delete arrays after their last use: the next one gets their memory, still in the cache."""
+    last = {word: i for i, line in enumerate(lines) for word in re.findall(r"\w+", line)}
+    dead: dict[int, list[str]] = {}
+    for name in names:
+        dead.setdefault(last[name], []).append(name)
+    for i, line in enumerate(lines):
+        yield line
+        if i in dead and i < len(lines) - 1:
+            yield f"del {', '.join(sorted(dead[i]))}"
+
+
+def _computed(statement: Statement) -> list[str]:
+    match statement:
+        case Load():
+            return []
+        case Assign(name, _) | Call(name, _, _):
+            return [name]
+        case Sines(_, pairs, _):
+            return [name for pair in pairs for name in pair if name]
 
 
 def _statement(statement: Statement, shapes: Mapping[str, tuple[int, ...]]) -> Iterator[str]:

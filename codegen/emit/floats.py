@@ -1,0 +1,60 @@
+"""A routine as a Python function of lists of floats: for one sample, less work than arrays are.
+
+Its results are those of the NumPy module to the last bit: the same operations in the same order,
+NumPy's own sines and cosines. A division by zero raises ZeroDivisionError.
+"""
+
+from __future__ import annotations
+
+import keyword
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from moro_codegen.emit.describe import all_inputs, size
+from moro_codegen.emit.numpy import NAMES, RESERVED
+from moro_codegen.emit.render import render
+from moro_codegen.emit.statements import Assign, Call, Load, Sines, Statement, body
+
+if TYPE_CHECKING:
+    from moro_codegen.generate import Program, Routine
+
+
+def emit(program: Program) -> str:
+    """Return the text of a module with a function for each routine.
+
+    A function takes a flat list of floats for each input, and returns one flat list a result.
+    """
+    return render(
+        "floats.py.jinja", routines=[_holes(program, routine) for routine in program.routines]
+    )
+
+
+def _holes(program: Program, routine: Routine) -> dict[str, object]:
+    inputs = all_inputs(program, routine)
+    arguments = {a.name for a in (*inputs, *routine.outputs)}
+    text = body(program, routine, {*RESERVED, *keyword.kwlist, "float", *arguments})
+    lines = [line for statement in text.statements for line in _statement(statement)]
+    results = iter(text.results)
+    returned = [f"[{', '.join(next(results) for _ in range(size(a)))}]" for a in routine.outputs]
+    return {
+        "name": routine.function.name,
+        "parameters": ", ".join(a.name for a in inputs),
+        "body": [*lines, f"return {', '.join(returned)},"],
+    }
+
+
+def _statement(statement: Statement) -> Iterator[str]:
+    match statement:
+        case Load(name, argument, index):
+            yield f"{name} = {argument}[{index}]"
+        case Assign(name, expression):
+            yield f"{name} = {expression}"
+        case Call(name, function, arguments):
+            call = f"np.{NAMES.get(function, function)}({', '.join(arguments)})"
+            yield f"{name} = float({call})"
+        case Sines(angles, pairs, (array, *_)):
+            yield f"{array} = np.array([{', '.join(angles)}])"
+            for function, names in zip(("sin", "cos"), zip(*pairs, strict=True), strict=True):
+                if any(names):
+                    targets = ", ".join(name or "_" for name in names)
+                    yield f"[{targets}] = np.{function}({array}).tolist()"

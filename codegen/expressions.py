@@ -1,0 +1,248 @@
+"""Functions of one's own: SymPy expressions of an arm's motion, as functions that can be generated.
+
+An expression is a number, a SymPy expression, a matrix or an array; of the joint variables, their
+first and second derivatives by time, and the parameters of the robot. A column (n x 1) is a vector,
+as in the rest of the kernels; every other shape is kept.
+"""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from moro_codegen.convert import Converter
+from moro_codegen.emit.c import RESERVED as C_NAMES
+from moro_codegen.emit.numpy import RESERVED as NUMPY_NAMES
+from moro_codegen.functions import QD, QDD, Argument, Function, Q, System
+from moro_codegen.graph import Graph, Node
+from sympy.core.function import AppliedUndef
+
+from moro.abc import t
+from moro.robot import Robot
+
+#: what an expression can depend on besides parameters, in the order of a function's inputs
+MOTION = (Q, QD, QDD)
+#: names that generated code uses itself
+TAKEN = frozenset({*C_NAMES, *NUMPY_NAMES, *keyword.kwlist, *(a.name for a in MOTION)})
+#: longer expressions are not written out in headers and docstrings
+SHOWN = 200
+
+
+@dataclass(frozen=True, eq=False)
+class UserFunction:
+    """A SymPy expression that becomes a function of a kernel.
+
+        payload_moment = mc.Function("payload_moment", m * g * robot.T[0, 3])
+        kernel = mc.compile(robot, functions=("tau", payload_moment))
+        kernel.payload_moment(q)
+
+    ``expression`` is a scalar, matrix or array of the joint variables q_i(t), their derivatives
+    by t, and the robot's parameters; or a list or tuple of those, for several results. A column is
+    a vector. The function takes those of q, qd and qdd that occur, in this order (q if none does).
+    ``summary`` and ``unit`` go into docstrings and headers.
+
+    Raises ValueError if ``name`` cannot name a function in C and Python, or if the expression is
+    empty or has more than two axes; TypeError for what is no expression.
+    """
+
+    name: str
+    expression: Any
+    summary: str = ""
+    unit: str = "SI"
+    #: the expression's results: shape and entries of each
+    results: tuple[Result, ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        check_name(self.name)
+        for text in (self.summary, self.unit):
+            _check_text(text)
+        object.__setattr__(self, "results", results_of(self.expression, self.name))
+        for result in self.results:
+            if len(result.shape) > 2:
+                raise ValueError(
+                    f"{self.name}: a result has at most two axes, found shape {result.shape}"
+                )
+
+    def entry(self, robot: Robot) -> Function:
+        """Return the function for a robot. Raise ValueError if it has not all of the symbols."""
+        formula = Formula.of(self.name, self.results, Scope.of(robot))
+        return formula.entry(self.summary, self.unit)
+
+
+@dataclass(frozen=True)
+class Result:
+    """An array of expressions: its shape, and its entries, row-major."""
+
+    shape: tuple[int, ...]
+    entries: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Scope:
+    """What expressions may contain: for each symbol the input that it is a component of."""
+
+    robot: str
+    #: joint variables and their derivatives: (name of the argument, index)
+    motion: Mapping[Any, tuple[str, int]]
+    #: run-time parameters, in order
+    parameters: Sequence[Any]
+
+    @classmethod
+    def of(cls, robot: Robot) -> Scope:
+        """Return what a robot's expressions may contain."""
+        motion: dict[Any, tuple[str, int]] = {}
+        for i, q in enumerate(robot.qs):
+            motion[q] = ("q", i)
+            if not q.is_Symbol:
+                motion[q.diff(t)], motion[q.diff(t, 2)] = ("qd", i), ("qdd", i)
+        return cls(robot.name, motion, tuple(robot.parameters))
+
+    def used(self, expressions: Iterable[Any], name: str) -> set[Any]:
+        """Return the symbols that occur. Raise ValueError for those that are not known."""
+        known = {*self.motion, *self.parameters}
+        used, unknown, seen = set(), set(), set()
+        stack = list(expressions)
+        while stack:
+            item = stack.pop()
+            if item in known:
+                used.add(item)
+            elif isinstance(item, (sp.Symbol, AppliedUndef, sp.Derivative)):
+                unknown.add(item)
+            elif item not in seen:
+                seen.add(item)
+                stack.extend(item.args)
+        if unknown:
+            raise ValueError(self._complaint(name, sorted(unknown, key=str)))
+        return used
+
+    def _complaint(self, name: str, unknown: Sequence[Any]) -> str:
+        names = [str(symbol) for symbol in self.parameters]
+        there = f"its parameters {', '.join(names)}" if names else "it has no parameters"
+        alike = [str(symbol) for symbol in unknown if str(symbol) in names]
+        hint = f"; the robot's {', '.join(alike)} has other assumptions" if alike else ""
+        return (
+            f"{name} contains {', '.join(map(str, unknown))}: known of {self.robot} are its joint "
+            f"variables {', '.join(str(q) for q, (a, _) in self.motion.items() if a == 'q')}, "
+            f"their first and second derivatives by time, and {there}{hint}"
+        )
+
+
+@dataclass(frozen=True)
+class Formula:
+    """Results over a scope, with the inputs that occur in them."""
+
+    name: str
+    results: tuple[Result, ...]
+    scope: Scope
+    #: what occurs of the scope
+    used: frozenset[Any]
+    inputs: tuple[Argument, ...]
+
+    @classmethod
+    def of(cls, name: str, results: tuple[Result, ...], scope: Scope) -> Formula:
+        """Return the formula. Raise ValueError if results contain what is not in scope."""
+        used = scope.used((x for result in results for x in result.entries), name)
+        arguments = {scope.motion[symbol][0] for symbol in used if symbol in scope.motion}
+        inputs = tuple(a for a in MOTION if a.name in arguments) or (Q,)
+        return cls(name, results, scope, frozenset(used), inputs)
+
+    def nodes(self, graph: Graph, *given: Sequence[Node]) -> list[list[Node]]:
+        """Return the entries of each result, for the components of the inputs."""
+        values = dict(zip((a.name for a in self.inputs), given, strict=True))
+        known = {s: values[a][i] for s, (a, i) in self.scope.motion.items() if s in self.used}
+        for k, symbol in enumerate(self.scope.parameters):
+            known[symbol] = graph.input("parameters", k)
+        convert = Converter(graph, known)
+        try:
+            return [[convert(x) for x in result.entries] for result in self.results]
+        except (ValueError, ZeroDivisionError) as error:
+            raise ValueError(f"{self.name}: {error}") from None
+
+    def entry(self, summary: str, unit: str) -> Function:
+        """Return the function that computes the results."""
+        name, several = self.name, len(self.results) > 1
+        outputs = tuple(
+            Argument(f"{name}_{k}" if several else name, result.shape, unit, _shown(result))
+            for k, result in enumerate(self.results, 1)
+        )
+
+        def build(system: System, *given: Sequence[Node]) -> list[list[Node]]:
+            return self.nodes(system.graph, *given)
+
+        return Function(
+            name, self.inputs, outputs, summary or "A function of the user's own.", build
+        )
+
+
+def results_of(expression: Any, name: str) -> tuple[Result, ...]:
+    """Return the results of an expression, one for each item of a list or tuple."""
+    if isinstance(expression, (list, tuple, sp.Tuple)):
+        if not expression:
+            raise ValueError(f"{name}: an empty list has no results")
+        return tuple(_result(item, name) for item in expression)
+    return (_result(expression, name),)
+
+
+def check_name(name: Any) -> None:
+    """Raise unless a name can be that of a function, in C and in Python."""
+    if not isinstance(name, str):
+        raise TypeError(f"a function's name is a string, not {name!r}")
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
+        raise ValueError(
+            f"a function cannot be named {name!r}: letters, digits and underscores only, a letter "
+            "first"
+        )
+    if name in TAKEN:
+        raise ValueError(f"a function cannot be named {name!r}: generated code uses that name")
+
+
+def _result(value: Any, name: str) -> Result:
+    if isinstance(value, sp.MatrixExpr):
+        value = value.as_explicit()
+    if isinstance(value, (sp.MatrixBase, sp.NDimArray, np.ndarray)):
+        shape = tuple(int(n) for n in value.shape)
+        entries = sp.flatten([value.tolist()])
+        if isinstance(value, sp.MatrixBase) and shape[1] == 1:
+            shape = shape[:1]
+    else:
+        shape, entries = (), [value]
+    if not entries:
+        raise ValueError(f"{name}: an array of shape {shape} has no entries")
+    return Result(shape, tuple(_entry(x, name) for x in entries))
+
+
+def _entry(value: Any, name: str) -> Any:
+    """Return an entry as a SymPy expression; text is not parsed."""
+    try:
+        entry = sp.sympify(value, strict=True)
+    except sp.SympifyError:
+        entry = None
+    if not isinstance(entry, sp.Expr):
+        raise TypeError(f"{name}: {value!r} is neither a number nor a SymPy expression")
+    return entry
+
+
+def _shown(result: Result) -> str:
+    """Return a short scalar as it is written, else what kind of thing it is."""
+    if not result.shape:
+        text = str(result.entries[0])
+        if len(text) <= SHOWN and not _unsafe(text):
+            return text
+    kind = ("expression", "vector", "matrix")[min(len(result.shape), 2)]
+    return f"the {kind} given"
+
+
+def _check_text(text: Any) -> None:
+    if not isinstance(text, str):
+        raise TypeError(f"a summary or unit is text, not {text!r}")
+    if _unsafe(text):
+        raise ValueError(f'{text!r} goes into comments of C and Python: one line, no \\, */ or """')
+
+
+def _unsafe(text: str) -> bool:
+    return not text.isprintable() or any(mark in text for mark in ("\\", "*/", "/*", '"""'))

@@ -1,0 +1,98 @@
+"""Any symbolic result as a fast function of NumPy arrays, without a compiler."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial, wraps
+from typing import Any
+
+import numpy as np
+from moro_codegen.emit.describe import shape
+from moro_codegen.emit.floats import emit as emit_floats
+from moro_codegen.emit.numpy import emit as emit_numpy
+from moro_codegen.expressions import Formula, Scope, results_of
+from moro_codegen.generate import Program, arranged, run_time_parameters
+from moro_codegen.graph import Graph
+from moro_codegen.kernel import in_chunks
+from moro_codegen.signature import Signature
+
+from moro.robot import Robot
+
+NAME = "lambdified"
+
+
+def lambdify(expression: Any, robot: Robot) -> Callable[..., Any]:
+    """Return a function f(q[, qd[, qdd]], parameters=None, out=None) of arrays.
+
+        f = mc.lambdify(robot.coriolis_matrix(), robot)
+        f(q, qd)                          # q, qd: (n,) or (samples, n); here a matrix, (..., n, n)
+
+    ``expression`` is a scalar, matrix or array of SymPy of the robot's joint variables, their
+    derivatives by time and its parameters; a list or tuple of them gives a tuple of results. A
+    column is a vector. f takes those of q, qd and qdd that occur, in this order (q if none does),
+    with any number of axes in front, which are broadcast; and those of the robot's ``parameters``
+    that occur: a dict by name, a sequence in the robot's order, or None for their defaults.
+    ``help(f)`` names them all.
+
+    What occurs several times, in all results, is computed once. Raises ValueError for symbols that
+    the robot does not have, TypeError for what is no expression.
+    """
+    results = results_of(expression, "the expression")
+    scope = Scope.of(robot)
+    formula = Formula.of("the expression", results, scope)
+    defaults = {s: default for s, default in robot.parameters.items() if s in formula.used}
+    formula = replace(formula, scope=replace(scope, parameters=tuple(defaults)))
+    graph = Graph()
+    function = replace(formula, name=NAME).entry("The expression of a robot given.", "SI")
+    program = Program(
+        robot.name,
+        robot.dof,
+        tuple("revolute" if kind == "r" else "prismatic" for kind in robot.joint_types),
+        run_time_parameters(defaults),
+        (arranged(function, graph, robot.dof, partial(formula.nodes, graph)),),
+    )
+    (text,) = emit_numpy(program).values()
+    signature = Signature.of(program, *program.routines)
+    general = signature.checked(in_chunks(_function(text), signature))
+    return _quick(_function(emit_floats(program)), general, signature)
+
+
+def _function(text: str) -> Callable[..., Any]:
+    names: dict[str, Any] = {}
+    exec(compile(text, "<lambdified>", "exec"), names)  # noqa: S102 - written by us just now
+    function: Callable[..., Any] = names[NAME]
+    return function
+
+
+def _quick(
+    of_floats: Callable[..., Any], general: Callable[..., Any], signature: Signature
+) -> Callable[..., Any]:
+    """Return ``general``, but one state in arrays of float64 goes through ``of_floats``."""
+    cores = [shape(a) for a in signature.given]
+    shapes = [shape(a) for a in signature.outputs]
+    defaults = [parameter.default for parameter in signature.parameters]
+    constants = [defaults] if defaults else []
+    no_quick_way = None in defaults
+
+    @wraps(general)
+    def function(*args: Any, **keywords: Any) -> Any:
+        if keywords or no_quick_way or len(args) != len(cores):
+            return general(*args, **keywords)
+        lists = []
+        for x, core in zip(args, cores, strict=True):
+            if type(x) is not np.ndarray or x.shape != core or x.dtype != np.float64:
+                return general(*args)
+            lists.append(x.tolist())
+        try:
+            with np.errstate(all="ignore"):
+                flat = of_floats(*lists, *constants)
+        except ZeroDivisionError:  # in arrays, that is infinite or not a number
+            return general(*args)
+        values = [
+            np.array(x).reshape(core) if core else np.float64(x[0])
+            for x, core in zip(flat, shapes, strict=True)
+        ]
+        return tuple(values) if len(values) > 1 else values[0]
+
+    return function

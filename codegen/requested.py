@@ -1,0 +1,74 @@
+"""What ``functions=`` may ask for, brought to one form: the functions to generate, each once."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Collection, Sequence
+from typing import TypeAlias
+
+from moro_codegen.expressions import UserFunction
+from moro_codegen.functions import FUNCTIONS, Function
+from moro_codegen.together import together
+
+from moro.robot import Robot
+
+#: a name of FUNCTIONS, a function of one's own, or a tuple of these to be computed together
+Request: TypeAlias = str | UserFunction | tuple[str | UserFunction, ...]
+
+#: the C functions made of a function f are called f, f_batch and so on
+SUFFIXES = ("_batch", "_loop", "_lanes")
+
+
+def requested(
+    functions: Sequence[Request], robot: Robot, reserved: Collection[str] = ()
+) -> tuple[Function, ...]:
+    """Return the functions asked for, ready for a robot.
+
+    Raises ValueError for a name that does not exist, is asked for twice, or is among those
+    ``reserved``; TypeError for what is no request.
+    """
+    if isinstance(functions, str):
+        raise TypeError(f"functions is a tuple of names: functions=({functions!r},)")
+    found = [_requested(item, robot) for item in functions]
+    own = [item for item in _flat(functions) if isinstance(item, UserFunction)]
+    names = [function.name for function in found]
+    for name in (function.name for function in own):
+        stem = next((name.removesuffix(s) for s in SUFFIXES if name.endswith(s)), None)
+        if name in FUNCTIONS:
+            raise ValueError(f"a function cannot be named {name!r}: that is one of moro's own")
+        if name in reserved:
+            raise ValueError(f"a function cannot be named {name!r}: every kernel has a {name}")
+        if stem in names:
+            raise ValueError(f"a function cannot be named {name!r}: that belongs to {stem}")
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"two functions are called {name}")
+    if not found:
+        raise ValueError(f"no functions: there are {', '.join(FUNCTIONS)}")
+    return tuple(found)
+
+
+def named(name: str) -> Function:
+    """Return the function of a name. Raise ValueError, with the nearest name, if there is none."""
+    if name not in FUNCTIONS:
+        near = difflib.get_close_matches(name, FUNCTIONS, n=1)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        raise ValueError(f"no function {name!r}; {hint}there are {', '.join(FUNCTIONS)}")
+    return FUNCTIONS[name]
+
+
+def _requested(item: Request, robot: Robot) -> Function:
+    if isinstance(item, str):
+        return named(item)
+    if isinstance(item, UserFunction):
+        return item.entry(robot)
+    if isinstance(item, tuple):
+        return together([_requested(one, robot) for one in item])
+    raise TypeError(
+        f"functions are names, moro_codegen.Function(name, expression), or tuples of them, "
+        f"not {item!r}"
+    )
+
+
+def _flat(functions: Sequence[Request]) -> list[object]:
+    return [one for item in functions for one in (item if isinstance(item, tuple) else (item,))]
