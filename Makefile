@@ -11,7 +11,7 @@ demo: .venv/installed
 	@$(BIN)/moro-codegen puma560
 
 test: .venv/tests
-	$(BIN)/pytest
+	$(BIN)/pytest -n auto
 
 lint: .venv/tests
 	$(BIN)/ruff check
