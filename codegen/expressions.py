@@ -17,6 +17,7 @@ import numpy as np
 import sympy as sp
 from moro_codegen.convert import Converter
 from moro_codegen.emit.c import RESERVED as C_NAMES
+from moro_codegen.emit.cython import RESERVED as CYTHON_NAMES
 from moro_codegen.emit.numpy import RESERVED as NUMPY_NAMES
 from moro_codegen.functions import QD, QDD, Argument, Function, Q, System
 from moro_codegen.graph import Graph, Node
@@ -28,7 +29,9 @@ from moro.robot import Robot
 #: what an expression can depend on besides parameters, in the order of a function's inputs
 MOTION = (Q, QD, QDD)
 #: names that generated code uses itself
-TAKEN = frozenset({*C_NAMES, *NUMPY_NAMES, *keyword.kwlist, *(a.name for a in MOTION)})
+TAKEN = frozenset(
+    {*C_NAMES, *CYTHON_NAMES, *NUMPY_NAMES, *keyword.kwlist, *(a.name for a in MOTION)}
+)
 #: longer expressions are not written out in headers and docstrings
 SHOWN = 200
 

@@ -16,8 +16,8 @@ import platform
 import re
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from datetime import datetime, timezone
 from importlib import metadata
@@ -27,12 +27,15 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from filelock import FileLock
-from moro_codegen import toolchain
+from moro_codegen import extension, toolchain
 from moro_codegen._runtime import Function, Library, gufunc
 from moro_codegen.emit.c import emit as emit_c
+from moro_codegen.emit.cython import emit as emit_cython
+from moro_codegen.emit.cython import package
 from moro_codegen.emit.describe import shape, version
 from moro_codegen.emit.numpy import emit as emit_numpy
 from moro_codegen.generate import Program, generate
+from moro_codegen.quick import quick
 from moro_codegen.requested import Request, requested
 from moro_codegen.signature import Array, Run, Signature
 from moro_codegen.toolchain import Compiler, ToolchainError
@@ -40,7 +43,11 @@ from platformdirs import user_cache_path
 
 from moro.robot import Robot
 
-Backend: TypeAlias = Literal["c", "numpy"]
+Backend: TypeAlias = Literal["c", "cython", "numpy"]
+#: a language to write sources in; of the backends, Python is that with NumPy
+Language: TypeAlias = Literal["c", "cython", "python"]
+
+LANGUAGES: dict[Backend, Language] = {"c": "c", "cython": "cython", "numpy": "python"}
 
 MANIFEST = "manifest.json"
 #: of the manifest and of what the runtime expects in a library
@@ -62,8 +69,10 @@ def compile(
     "inertia_matrix"))`` makes ``kernel.tau``, ``kernel.height`` and ``kernel.tau_inertia_matrix``,
     which returns (tau, M) and computes once what they share. Kernels are kept in ``directory``, by
     default in the user's cache folder, and built only once for the same robot, functions, compiler
-    and processor. ``backend="numpy"`` needs no compiler. Raises ToolchainError without one, and
-    ValueError for a function that does not exist or a robot whose name is no C identifier.
+    and processor. ``backend="numpy"`` needs no compiler; ``backend="cython"`` needs Cython and
+    setuptools besides, and makes a package that can be installed without moro. Raises
+    ToolchainError for what is missing, and ValueError for a function that does not exist or a robot
+    whose name is no C identifier.
     """
     start = time.perf_counter()
     model = robot.model()
@@ -86,21 +95,23 @@ def build(
     backend: Backend = "c",
     *,
     named_by_key: bool = False,
+    languages: Collection[Language] = (),
     source: Mapping[str, str] | None = None,
     timings: Mapping[str, float] | None = None,
 ) -> Kernel:
     """Return the kernel of a program in ``directory``, built anew only if another one is there.
 
-    With ``named_by_key`` the kernel gets a folder of its own inside ``directory``. ``source`` says
-    where the program came from (``{"file": ..., "sha256": ...}``) and is recorded in the manifest
-    as "input". The kernel's ``timings`` are those given, and the seconds for "emit" and "compile".
+    The sources of further ``languages`` ("c", "cython", "python") are written beside its own. With
+    ``named_by_key`` the kernel gets a folder of its own inside ``directory``. ``source`` says where
+    the program came from (``{"file": ..., "sha256": ...}``) and is recorded in the manifest as
+    "input". The kernel's ``timings`` are those given, and the seconds for "emit" and "compile".
     Everything is built in a folder beside ``directory`` and moved there when it is complete.
     """
     seconds = dict(timings or {})
     start = time.perf_counter()
-    texts = sources(program, backend)
+    texts = sources(program, backend, languages)
     seconds["emit"] = time.perf_counter() - start
-    compiler = toolchain.find_compiler() if backend == "c" else None
+    compiler = None if backend == "numpy" else toolchain.find_compiler()
     manifest = describe(program, backend, texts, compiler, source)
     folder = Path(directory).absolute()
     if named_by_key:
@@ -128,7 +139,7 @@ class Kernel:
     dof: int
     directory: Path
     backend: Backend
-    #: paths of the shared library, C source and header, or of the Python module
+    #: paths of the shared library, source in C or Cython and header, or of the Python module
     library: Path | None
     source: Path
     header: Path | None
@@ -159,11 +170,13 @@ class Kernel:
             item["name"]: Signature.from_json(item) for item in self.manifest["functions"]
         }
         self.ops = {name: dict(s.ops) for name, s in self.signatures.items()}
-        in_c = self.backend == "c"
-        self.library = self.directory / f"{self.name}.so" if in_c else None
-        self.header = self.directory / f"{self.name}.h" if in_c else None
-        self.source = self.directory / f"{self.name}.{'c' if in_c else 'py'}"
-        for name, call in self._c_functions() if in_c else self._numpy_functions():
+        self.library = self.header = None
+        functions = {
+            "c": self._c_functions,
+            "cython": self._cython_functions,
+            "numpy": self._numpy_functions,
+        }
+        for name, call in functions[self.backend]():
             setattr(self, name, call)
 
     def __getattr__(self, name: str) -> Callable[..., Any]:
@@ -192,6 +205,9 @@ class Kernel:
 
     def _c_functions(self) -> Iterator[tuple[str, Callable[..., Any]]]:
         """Yield the functions of the shared library."""
+        self.source = self.directory / f"{self.name}.c"
+        self.header = self.directory / f"{self.name}.h"
+        self.library = self.directory / f"{self.name}.so"
         library = Library(str(self.library))
         for name, s in self.signatures.items():
             symbol = f"{self.name}_{name}"
@@ -212,8 +228,20 @@ class Kernel:
             )
             yield name, function.call
 
+    def _cython_functions(self) -> Iterator[tuple[str, Callable[..., Any]]]:
+        """Yield the functions of the extension."""
+        folder = self.directory / cython_folder(self.name) / package(self.name)
+        self.source = folder / "functions.pyx"
+        self.header = folder / f"{self.name}.h"
+        self.library = extension.library(folder)
+        module = extension.load(self.library)
+        for name, s in self.signatures.items():
+            direct = getattr(module, name)
+            yield name, quick(direct, s.checked(_into(direct)), s)
+
     def _numpy_functions(self) -> Iterator[tuple[str, Callable[..., Any]]]:
         """Yield the functions of the Python module."""
+        self.source = self.directory / f"{self.name}.py"
         module = ModuleType(self.name)
         code = builtins.compile(self.source.read_text(encoding="utf-8"), str(self.source), "exec")
         exec(code, module.__dict__)  # noqa: S102 - as much ours as the shared library is
@@ -230,6 +258,13 @@ def _function_of(directory: Path, name: str) -> Function:
 def _through(batch: np.ufunc) -> Run:
     def run(inputs: Sequence[Array], results: Sequence[Array]) -> None:
         batch(*inputs, out=tuple(results))
+
+    return run
+
+
+def _into(direct: Callable[..., Any]) -> Run:
+    def run(inputs: Sequence[Array], results: Sequence[Array]) -> None:
+        direct(*inputs, out=tuple(results) if len(results) > 1 else results[0])
 
     return run
 
@@ -267,16 +302,39 @@ def in_chunks(function: Callable[..., Any], signature: Signature) -> Run:
 # -- on disk -----------------------------------------------------------------------------------
 
 
-def sources(program: Program, backend: Backend) -> dict[str, str]:
-    """Return the texts of a program's files, by name. Raise ValueError for an unusable name."""
-    if backend not in ("c", "numpy"):
-        raise ValueError(f'backend must be "c" or "numpy", not {backend!r}')
+def sources(
+    program: Program, backend: Backend, languages: Collection[Language] = ()
+) -> dict[str, str]:
+    """Return the texts of a program's files, by path. Raise ValueError for an unusable name."""
+    if backend not in LANGUAGES:
+        raise ValueError(f"backend must be {_either(LANGUAGES)}, not {backend!r}")
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", program.name):
         raise ValueError(
             f"a robot named {program.name!r} cannot name functions: letters, digits and "
             "underscores only, a letter first"
         )
-    return emit_c(program) if backend == "c" else emit_numpy(program)
+    texts: dict[str, str] = {}
+    for language in dict.fromkeys((LANGUAGES[backend], *languages)):
+        if language == "c":
+            texts |= emit_c(program)
+        elif language == "python":
+            texts |= emit_numpy(program)
+        elif language == "cython":
+            folder = cython_folder(program.name)
+            texts |= {f"{folder}/{p}": text for p, text in emit_cython(program).items()}
+        else:
+            raise ValueError(f"languages are {_either(LANGUAGES.values())}, not {language!r}")
+    return texts
+
+
+def cython_folder(name: str) -> str:
+    """Return the name of the folder of a robot's Cython extension, inside that of the kernel."""
+    return f"{name}_cython"
+
+
+def _either(names: Iterable[str]) -> str:
+    *most, last = [f'"{name}"' for name in names]
+    return f"{', '.join(most)} or {last}"
 
 
 def describe(
@@ -295,6 +353,8 @@ def describe(
             "flags": list(compiler.flags),
             "target": compiler.target,
         }
+        if backend == "cython":
+            made_with |= extension.tools()
     shaping = json.dumps([FORMAT, backend, dict(texts), made_with], sort_keys=True)
     return {
         "format": FORMAT,
@@ -336,11 +396,14 @@ def _install(
         new = Path(beside) / folder.name
         new.mkdir()
         for name, text in texts.items():
+            (new / name).parent.mkdir(parents=True, exist_ok=True)
             (new / name).write_text(text, encoding="utf-8")
-        if compiler is not None:
-            library = new / f"{manifest['name']}.so"
-            toolchain.build(compiler, new / f"{manifest['name']}.c", library)
-        files = {path.name: _hash(path) for path in sorted(new.iterdir())}
+        name = manifest["name"]
+        if manifest["backend"] == "c" and compiler is not None:
+            toolchain.build(compiler, new / f"{name}.c", new / f"{name}.so")
+        elif manifest["backend"] == "cython" and compiler is not None:
+            extension.build(compiler, new / cython_folder(name), package(name))
+        files = {path: _hash(new / path) for path in _paths(new)}
         _write_manifest(new, {**manifest, "files": files})
         _try(new)
         _move(new, folder)
@@ -363,19 +426,31 @@ def _move(new: Path, folder: Path) -> None:
         return
     old = _files_of(folder)
     (folder / MANIFEST).unlink(missing_ok=True)
-    names = sorted((path.name for path in new.iterdir()), key=lambda name: name == MANIFEST)
+    names = sorted(_paths(new), key=lambda name: name == MANIFEST)
     for name in old - set(names):
         (folder / name).unlink(missing_ok=True)
+        for parent in Path(name).parents[:-1]:
+            with suppress(OSError):  # not empty, or gone
+                (folder / parent).rmdir()
     for name in names:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (new / name).replace(folder / name)
 
 
+def _paths(folder: Path) -> list[str]:
+    """Return the paths of all files in a folder, relative to it."""
+    return sorted(
+        path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()
+    )
+
+
 def _files_of(folder: Path) -> set[str]:
-    """Return the names of the files of the kernel in a folder, if there is one."""
+    """Return the paths of the files of the kernel in a folder, if there is one."""
     try:
-        return {Path(name).name for name in _read_manifest(folder)["files"]}
+        paths = set(_read_manifest(folder)["files"])
     except (OSError, ValueError, KeyError):
         return set()
+    return {path for path in paths if ".." not in Path(path).parts and not Path(path).is_absolute()}
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial, wraps
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from moro_codegen.expressions import Formula, Scope, results_of
 from moro_codegen.generate import Program, arranged, run_time_parameters
 from moro_codegen.graph import Graph
 from moro_codegen.kernel import in_chunks
+from moro_codegen.quick import quick
 from moro_codegen.signature import Signature
 
 from moro.robot import Robot
@@ -55,7 +56,7 @@ def lambdify(expression: Any, robot: Robot) -> Callable[..., Any]:
     (text,) = emit_numpy(program).values()
     signature = Signature.of(program, *program.routines)
     general = signature.checked(in_chunks(_function(text), signature))
-    return _quick(_function(emit_floats(program)), general, signature)
+    return quick(_of_arrays(_function(emit_floats(program)), signature), general, signature)
 
 
 def _function(text: str) -> Callable[..., Any]:
@@ -65,30 +66,13 @@ def _function(text: str) -> Callable[..., Any]:
     return function
 
 
-def _quick(
-    of_floats: Callable[..., Any], general: Callable[..., Any], signature: Signature
-) -> Callable[..., Any]:
-    """Return ``general``, but one state in arrays of float64 goes through ``of_floats``."""
-    cores = [shape(a) for a in signature.given]
+def _of_arrays(of_floats: Callable[..., Any], signature: Signature) -> Callable[..., Any]:
+    """Return a function of arrays that works on lists of floats, for one state."""
     shapes = [shape(a) for a in signature.outputs]
-    defaults = [parameter.default for parameter in signature.parameters]
-    constants = [defaults] if defaults else []
-    no_quick_way = None in defaults
 
-    @wraps(general)
-    def function(*args: Any, **keywords: Any) -> Any:
-        if keywords or no_quick_way or len(args) != len(cores):
-            return general(*args, **keywords)
-        lists = []
-        for x, core in zip(args, cores, strict=True):
-            if type(x) is not np.ndarray or x.shape != core or x.dtype != np.float64:
-                return general(*args)
-            lists.append(x.tolist())
-        try:
-            with np.errstate(all="ignore"):
-                flat = of_floats(*lists, *constants)
-        except ZeroDivisionError:  # in arrays, that is infinite or not a number
-            return general(*args)
+    def function(*args: Any) -> Any:
+        with np.errstate(all="ignore"):
+            flat = of_floats(*[x.tolist() for x in args])
         values = [
             np.array(x).reshape(core) if core else np.float64(x[0])
             for x, core in zip(flat, shapes, strict=True)

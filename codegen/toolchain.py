@@ -13,7 +13,7 @@ import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -80,11 +80,11 @@ def find_compiler() -> Compiler:
 def build(compiler: Compiler, source: Path, library: Path) -> None:
     """Compile one C file into a shared library, with its folder as working directory."""
     command = [*compiler.command, *compiler.flags, "-o", library.name, source.name, "-lm"]
-    done = _run(command, source.parent)
+    done = run(command, source.parent)
     if done.returncode != 0 or not library.is_file():
         raise ToolchainError(
             f"{source.name} does not compile (exit status {done.returncode}):\n"
-            f"  {shlex.join(command)}\n{_words(done)}\n{FALLBACK}"
+            f"  {shlex.join(command)}\n{words(done)}\n{FALLBACK}"
         )
 
 
@@ -93,7 +93,7 @@ def _probe(command: Sequence[str]) -> Compiler | str:
     reason = ""
     for native in (*NATIVE, ""):
         flags = (*FLAGS, native) if native else FLAGS
-        done = _run([*command, *flags, "-dM", "-E", "-x", "c", os.devnull], None)
+        done = run([*command, *flags, "-dM", "-E", "-x", "c", os.devnull], None)
         version = re.search(r'^#define __VERSION__ "(.*)"$', done.stdout, re.MULTILINE)
         if done.returncode == 0 and version:
             is_clang = "#define __clang__ " in done.stdout
@@ -101,12 +101,15 @@ def _probe(command: Sequence[str]) -> Compiler | str:
             flags = (*flags, FUSED["clang" if is_clang else "gcc"])
             target = hashlib.sha256(done.stdout.encode()).hexdigest()
             return Compiler(tuple(command), name, flags, target)
-        reason = reason or f"exit status {done.returncode}\n{_words(done)}"
+        reason = reason or f"exit status {done.returncode}\n{words(done)}"
     return reason
 
 
-def _run(command: Sequence[str], folder: Path | None) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "LC_ALL": "C"}
+def run(
+    command: Sequence[str], folder: Path | None, variables: Mapping[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Run a compiler, with its folder as working directory and more environment variables."""
+    environment = {**os.environ, "LC_ALL": "C", **(variables or {})}
     try:
         return subprocess.run(  # noqa: S603 - the user's own compiler
             command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, capture_output=True,
@@ -116,7 +119,7 @@ def _run(command: Sequence[str], folder: Path | None) -> subprocess.CompletedPro
         return subprocess.CompletedProcess(command, 127, "", str(error))
 
 
-def _words(done: subprocess.CompletedProcess[str]) -> str:
+def words(done: subprocess.CompletedProcess[str]) -> str:
     """Return what a compiler said, indented."""
     said = (done.stderr.strip() or done.stdout.strip() or "(it said nothing)").splitlines()
     return "\n".join(f"  | {line}" for line in said[:40])

@@ -1,1 +1,1 @@
-"""Programs as text: C, NumPy."""
+"""Programs as text: C, Cython, NumPy."""

@@ -103,7 +103,7 @@ def test_parameters_of_a_robot(tmp_path):
 
 def test_what_cannot_be_compiled(tmp_path):
     robot = mr.load("two_link")
-    with pytest.raises(ValueError, match='backend must be "c" or "numpy"'):
+    with pytest.raises(ValueError, match='backend must be "c", "cython" or "numpy"'):
         mc.compile(robot, directory=tmp_path, backend="fortran")
     robot.name = "my arm"
     with pytest.raises(ValueError, match="'my arm' cannot name functions"):

@@ -1,0 +1,119 @@
+"""A program as a Cython extension: a folder that ``pip install`` builds and that needs NumPy only.
+
+The functions are those of the C source, which is part of the extension. Python calls them with
+arrays, other Cython code through the .pxd, without the interpreter's lock.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from moro_codegen.emit import c
+from moro_codegen.emit.describe import (
+    all_inputs,
+    argument_lines,
+    conventions,
+    operations,
+    shape,
+    size,
+    version,
+    wrapped,
+)
+from moro_codegen.emit.render import render
+
+if TYPE_CHECKING:
+    from moro_codegen.functions import Argument
+    from moro_codegen.generate import Program, Routine
+
+#: what Cython and the module call something else, besides the words of C and Python
+RESERVED = frozenset(
+    """
+    cdef cpdef ctypedef cimport include nogil gil api public readonly by DEF IF ELIF ELSE NULL
+    bint object size_t ptrdiff_t cnp np cython len list tuple zip isinstance type
+    TypeError ValueError
+    """.split()  # noqa: SIM905
+)
+
+#: for the processor at hand, as kernels in C are built; no -std, so that products and sums fuse
+FLAGS = "-O3 -march=native -fno-math-errno -fno-tree-slp-vectorize"
+
+
+def package(name: str) -> str:
+    """Return the name of the package of a robot: ``import puma560_kernel``."""
+    return f"{name}_kernel"
+
+
+def emit(program: Program) -> dict[str, str]:
+    """Return the texts of all files, by path in the folder."""
+    inside = package(program.name)
+    holes = {
+        "name": program.name,
+        "package": inside,
+        "title": f"{program.name}: dynamics of a robot arm with {program.dof} joints",
+        "version": version(),
+        "notes": conventions(program),
+        "flags": FLAGS,
+        "defaults": [p.default for p in program.parameters],
+        "none_missing": all(p.default is not None for p in program.parameters),
+        "parameters": [p.name for p in program.parameters],
+        "routines": [_holes(program, routine) for routine in program.routines],
+    }
+    files = {
+        "pyproject.toml": "cython_pyproject.toml.jinja",
+        "setup.py": "cython_setup.py.jinja",
+        "README.md": "cython_readme.md.jinja",
+        f"{inside}/__init__.py": "cython_init.py.jinja",
+        f"{inside}/__init__.pxd": "cython_init.pxd.jinja",
+        f"{inside}/functions.pyx": "cython_functions.pyx.jinja",
+        f"{inside}/functions.pxd": "cython_functions.pxd.jinja",
+    }
+    texts = {path: render(template, **holes) for path, template in files.items()}
+    return texts | {f"{inside}/{name}": text for name, text in c.emit(program).items()}
+
+
+def _holes(program: Program, routine: Routine) -> dict[str, object]:
+    """Return what the templates say of one routine."""
+    inputs, outputs = all_inputs(program, routine), routine.outputs
+    names = [a.name for a in routine.inputs]
+    return {
+        "name": routine.function.name,
+        "signature": ", ".join([*names, *(["parameters=None"] if program.parameters else [])]),
+        "call": ", ".join(names),
+        "inputs": [_array(a) for a in inputs],
+        "outputs": [_array(a) for a in outputs],
+        "only_vectors": all(len(a.shape) == 1 for a in inputs),
+        "summary": wrapped(routine.function.summary),
+        "returned": ", ".join(a.name for a in outputs),
+        "arguments": argument_lines(routine.inputs),
+        "results": argument_lines(outputs),
+        "all_arguments": argument_lines([*inputs, *outputs]),
+        "operations": operations(routine),
+        **_prototypes(inputs, outputs),
+    }
+
+
+def _array(a: Argument) -> dict[str, object]:
+    """Return what the templates say of an array: its strides are those of contiguous rows."""
+    sizes = shape(a)
+    strides = [math.prod(sizes[k:]) for k in range(len(sizes) + 1)]
+    return {"name": a.name, "shape": sizes, "size": size(a), "strides": strides}
+
+
+def _prototypes(inputs: Sequence[Argument], outputs: Sequence[Argument]) -> dict[str, str]:
+    """Return types and names of what the C functions take, for one sample and for a batch."""
+    single: list[tuple[str, str]] = []
+    batch = [("size_t ", "_count")]
+    for k, a in enumerate((*inputs, *outputs)):
+        pointer = ("const double *" if k < len(inputs) else "double *", f"_a{k}")
+        single.append(pointer)
+        batch += [pointer, *(("ptrdiff_t ", f"_s{k}_{i}") for i in range(1 + len(a.shape)))]
+    return {
+        "single": ", ".join(type_.strip() for type_, _ in single),
+        "single_names": ", ".join(name for _, name in single),
+        "single_parameters": ", ".join(type_ + name for type_, name in single),
+        "batch": ", ".join(type_.strip() for type_, _ in batch),
+        "batch_names": ", ".join(name for _, name in batch),
+        "batch_parameters": ", ".join(type_ + name for type_, name in batch),
+    }
