@@ -52,6 +52,8 @@ LANGUAGES: dict[Backend, Language] = {"c": "c", "cython": "cython", "numpy": "py
 MANIFEST = "manifest.json"
 #: of the manifest and of what the runtime expects in a library
 FORMAT = 1
+#: a program of more operations is long: compiled quickly rather than with every optimisation
+LONG = 6000
 #: samples that a NumPy kernel works on at once, so that its intermediate results stay in the cache
 CHUNK = 4096
 
@@ -111,7 +113,7 @@ def build(
     start = time.perf_counter()
     texts = sources(program, backend, languages)
     seconds["emit"] = time.perf_counter() - start
-    compiler = None if backend == "numpy" else toolchain.find_compiler()
+    compiler = None if backend == "numpy" else _compiler_for(program)
     manifest = describe(program, backend, texts, compiler, source)
     folder = Path(directory).absolute()
     if named_by_key:
@@ -300,6 +302,13 @@ def in_chunks(function: Callable[..., Any], signature: Signature) -> Run:
 
 
 # -- on disk -----------------------------------------------------------------------------------
+
+
+def _compiler_for(program: Program) -> Compiler:
+    """Return the compiler, with flags for a program of this length."""
+    compiler = toolchain.find_compiler()
+    operations = sum(sum(routine.ops.values()) for routine in program.routines)
+    return compiler.quick() if operations > LONG else compiler
 
 
 def sources(

@@ -10,6 +10,7 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from moro_codegen.emit.describe import (
@@ -23,8 +24,9 @@ from moro_codegen.emit.describe import (
     version,
     wrapped,
 )
+from moro_codegen.emit.parts import Keep, Parts, Step, Take, in_parts
 from moro_codegen.emit.render import render
-from moro_codegen.emit.statements import Assign, Call, Load, Names, Sines, Statement, body, literal
+from moro_codegen.emit.statements import Assign, Body, Call, Load, Names, Sines, body, literal
 
 if TYPE_CHECKING:
     from moro_codegen.functions import Argument
@@ -42,7 +44,7 @@ RESERVED = frozenset(
     fdim floor fma fmax fmin fmod frexp hypot ilogb j0 j1 jn ldexp lgamma log log10 log1p log2 logb
     modf nan pow remainder rint round scalbn signgam sin sinh sqrt tan tanh tgamma trunc y0 y1 yn
     gamma drem scalb significand
-    S1 S2 S3 S4 S5 S6 C1 C2 C3 C4 C5 C6 LANES REDUCIBLE SHUFFLE HELPER RARE TWO_OVER_PI ROUNDER
+    S1 S2 S3 S4 S5 S6 C1 C2 C3 C4 C5 C6 LANES REDUCIBLE SHUFFLE HELPER RARE PART TWO_OVER_PI ROUNDER
     SIGN_BIT ONE_BITS EACH_LANE HALF_PI_1 HALF_PI_2 HALF_PI_3 FROM PAIR
     lanes load store load_any store_any sign sign_lanes sines sines_lanes sines_pack sines_of_large
     pack2 pack4 pack8 bits2 bits4 bits8 memory2 memory4 memory8 lane_memory l parameters count
@@ -119,7 +121,9 @@ class _Emission:
             "single": self.single(),
             "batch": self.batch(),
             "loop": self.loop(),
+            "scalar_parts": self.scalar_parts(),
             "scalar_body": self.scalar_body(),
+            "lanes_parts": self.lanes_parts(),
             "lanes_body": self.lanes_body(),
             "loads_size": sum(map(size, inputs)),
             "stores_size": sum(map(size, outputs)),
@@ -132,12 +136,12 @@ class _Emission:
             **self.local,
         }
 
-    @property
+    @cached_property
     def local(self) -> dict[str, str]:
-        """Names for the batch function's variables, where no argument has them."""
+        """Names for the functions' own variables, where no argument has them."""
         arguments = (*self.inputs, *self.routine.outputs)
         names = Names([*RESERVED, *(a.name for a in arguments)])
-        return {wish: names.take(wish) for wish in ("x", "y", "k", "all", "left")}
+        return {wish: names.take(wish) for wish in ("x", "y", "w", "k", "all", "left")}
 
     @property
     def name(self) -> str:
@@ -208,39 +212,81 @@ class _Emission:
 
     # -- bodies ----------------------------------------------------------------------------------
 
+    @cached_property
+    def text(self) -> Body:
+        """The statements, with names that neither C nor our own variables have."""
+        arguments = (*self.inputs, *self.routine.outputs)
+        own = (*self.local.values(), "x", "y", *(a.name for a in arguments))
+        return body(self.program, self.routine, {*RESERVED, *own})
+
+    @cached_property
+    def parts(self) -> Parts:
+        """The same, in parts that compilers can take."""
+        return in_parts(self.text)
+
+    def scalar_parts(self) -> list[tuple[str, list[str]]]:
+        """Return the parts over double but the last: prototype and lines."""
+        arguments = [f"const double {declarator(a)}" for a in self.inputs]
+        arguments.append(f"double *{self.local['w']}")
+        return [
+            (prototype(f"{self.name}_{k}", arguments, "PART"), self.scalar_lines(steps))
+            for k, steps in enumerate(self.parts.steps[:-1], start=1)
+        ]
+
     def scalar_body(self) -> list[str]:
-        """Return the statements over double."""
-        text = body(self.program, self.routine, self.reserved())
-        lines = self.unused(text.statements)
-        for statement in text.statements:
-            lines += scalar_lines(statement, self.inputs)
+        """Return the calls of the parts, and the last part."""
+        lines = self.calls(self.name, "double", [a.name for a in self.inputs])
+        lines += self.scalar_lines(self.parts.steps[-1], called=bool(lines))
         targets = [
             f"{a.name}[{k}]" if a.shape else f"*{a.name}"
             for a in self.routine.outputs
             for k in range(size(a))
         ]
-        return lines + [f"{to} = {x};" for to, x in zip(targets, text.results, strict=True)]
+        return lines + [f"{to} = {x};" for to, x in zip(targets, self.text.results, strict=True)]
+
+    def scalar_lines(self, steps: Iterable[Step], called: bool = False) -> list[str]:
+        """Return the steps of a part; what is read by no step, nor handed on, is said so."""
+        read = {s.argument for s in steps if isinstance(s, Load)}
+        unused = () if called else (a.name for a in self.inputs if a.name not in read)
+        lines = [f"(void){name};" for name in unused]
+        for step in steps:
+            lines += scalar_lines(step, self.inputs, self.local["w"])
+        return lines
+
+    def lanes_parts(self) -> list[tuple[str, list[str]]]:
+        """Return the parts over vectors but the last: prototype and lines."""
+        arguments = ["const lanes *x", f"lanes *{self.local['w']}"]
+        return [
+            (prototype(f"{self.lanes_name}_{k}", arguments, "PART"), self.lanes_lines(steps))
+            for k, steps in enumerate(self.parts.steps[:-1], start=1)
+        ]
 
     def lanes_body(self) -> list[str]:
-        """Return the statements over vectors: x holds all inputs, y all results."""
-        text = body(self.program, self.routine, {*self.reserved(), "x", "y"})
-        first = dict(zip((a.name for a in self.inputs), offsets(self.inputs), strict=True))
-        lines = [] if any(isinstance(s, Load) for s in text.statements) else ["(void)x;"]
-        for statement in text.statements:
-            lines += lanes_lines(statement, first)
+        """Return the calls of the parts, and the last one: x holds all inputs, y all results."""
+        lines = self.calls(self.lanes_name, "lanes", ["x"])
+        lines += self.lanes_lines(self.parts.steps[-1], called=bool(lines))
         constant = [node.op == "const" for node in self.routine.results]
         return lines + [
             f"y[{k}] = {f'(lanes){{0.0}} + {x}' if constant[k] else x};"
-            for k, x in enumerate(text.results)
+            for k, x in enumerate(self.text.results)
         ]
 
-    def reserved(self) -> set[str]:
-        return {*RESERVED, *(a.name for a in self.inputs), *(a.name for a in self.routine.outputs)}
+    def lanes_lines(self, steps: Iterable[Step], called: bool = False) -> list[str]:
+        """Return the steps of a part over vectors."""
+        first = dict(zip((a.name for a in self.inputs), offsets(self.inputs), strict=True))
+        lines = [] if called or any(isinstance(s, Load) for s in steps) else ["(void)x;"]
+        for step in steps:
+            lines += lanes_lines(step, first, self.local["w"])
+        return lines
 
-    def unused(self, statements: Iterable[Statement]) -> list[str]:
-        """Say of every input that is not read that this is meant."""
-        read = {s.argument for s in statements if isinstance(s, Load)}
-        return [f"(void){a.name};" for a in self.inputs if a.name not in read]
+    def calls(self, name: str, type_: str, inputs: Sequence[str]) -> list[str]:
+        """Return the calls of all parts but the last, with the array that they share."""
+        w, count = self.local["w"], len(self.parts.steps) - 1
+        if not count:
+            return []
+        given = ", ".join([*inputs, w])
+        calls = [f"{name}_{k}({given});" for k in range(1, count + 1)]
+        return [f"{type_} {w}[{self.parts.room}];", *calls]
 
     # -- batches ---------------------------------------------------------------------------------
 
@@ -296,9 +342,13 @@ class _Emission:
         ]
 
 
-def scalar_lines(statement: Statement, inputs: Iterable[Argument]) -> list[str]:
-    """Return a statement over double."""
-    match statement:
+def scalar_lines(step: Step, inputs: Iterable[Argument], shared: str) -> list[str]:
+    """Return a step over double; ``shared`` is the array of the parts."""
+    match step:
+        case Take(name, place):
+            return [f"const double {name} = {shared}[{place}];"]
+        case Keep(name, place):
+            return [f"{shared}[{place}] = {name};"]
         case Load(name, argument, index):
             scalar = any(a.name == argument and not a.shape for a in inputs)
             return [
@@ -318,9 +368,13 @@ def scalar_lines(statement: Statement, inputs: Iterable[Argument]) -> list[str]:
             ]
 
 
-def lanes_lines(statement: Statement, first: Mapping[str, int]) -> list[str]:
-    """Return a statement over vectors; ``first`` says where in x an argument begins."""
-    match statement:
+def lanes_lines(step: Step, first: Mapping[str, int], shared: str) -> list[str]:
+    """Return a step over vectors; ``first`` says where in x an argument begins."""
+    match step:
+        case Take(name, place):
+            return [f"const lanes {name} = {shared}[{place}];"]
+        case Keep(name, place):
+            return [f"{shared}[{place}] = {name};"]
         case Load(name, argument, index):
             return [f"const lanes {name} = x[{first[argument] + index}];"]
         case Assign(name, expression):
@@ -370,9 +424,10 @@ def offsets(arguments: Iterable[Argument]) -> list[int]:
     return [0, *itertools.accumulate(map(size, arguments))][:-1]
 
 
-def prototype(name: str, parameters: Sequence[str]) -> str:
+def prototype(name: str, parameters: Sequence[str], kind: str = "") -> str:
     """Return a prototype, on one line if it fits."""
-    line = f"void {name}({', '.join(parameters)})"
+    start = f"{kind} void {name}(".lstrip()
+    line = f"{start}{', '.join(parameters)})"
     if len(line) <= LINE:
         return line
-    return f"void {name}(\n    " + ",\n    ".join(parameters) + ")"
+    return f"{start}\n    " + ",\n    ".join(parameters) + ")"
