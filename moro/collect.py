@@ -34,15 +34,17 @@ from moro.trig import Monomial, Trig, TrigRing
 class Collector:
     """Writes M, C, G, the energies and the equations of motion of an arm in named constants.
 
-    ``form`` holds the closed forms, ``display`` writes them; ``symbols`` are those that the model
-    has itself.
+    ``form`` holds the closed forms, ``display`` writes them, ``notation`` prints them; ``symbols``
+    are those that the model has itself.
     """
 
-    def __init__(self, form: ClosedForm, display: Display, symbols: Iterable[Any] = ()):
+    def __init__(
+        self, form: ClosedForm, display: Display, notation: Notation, symbols: Iterable[Any] = ()
+    ):
         self._form = form
         self._display = display
         self._taken = {x.name for x in (*symbols, *form.qs)}
-        self.notation = Notation(form.qs, symbols)
+        self._notation = notation
 
     def inertia_matrix(self) -> Collected:
         """M in names k_1, k_2, ..."""
@@ -134,7 +136,7 @@ class Collector:
             MappingProxyType(constants),
             right,
             _expanded=lambda: sp.Matrix(matrix(lambda p: self._display(form.expanded(p)))),
-            _notation=self.notation,
+            _notation=self._notation,
         )
 
 

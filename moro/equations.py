@@ -40,6 +40,20 @@ def latex_rows(equations: Sequence[Equation], limit: float) -> list[str]:
     return [_latex_row(row) for row in rows(equations, limit)]
 
 
+def pages(equations: Sequence[Equation], limit: float, most: int) -> Iterator[list[Equation]]:
+    """Yield equations some at a time, with up to ``most`` lines if each has less than that."""
+    part: list[Equation] = []
+    count = 0
+    for equation in equations:
+        lines = len(list(rows([equation], limit)))
+        if part and count + lines > most:
+            yield part
+            part, count = [], 0
+        part.append(equation)
+        count += lines
+    yield part
+
+
 def html_table(equations: Sequence[Equation], limit: float) -> str:
     """Return a table with the equations in MathML."""
     body = "\n".join(_html_row(row) for row in rows(equations, limit))
@@ -61,5 +75,5 @@ def _html_row(row: Row) -> str:
 
 
 def math(formula: Formula) -> str:
-    """Return a formula as an element ``math``, in displayed style."""
-    return f'<math><mstyle displaystyle="true">{mathml(formula)}</mstyle></math>'
+    """Return a formula as an element ``math``."""
+    return f"<math>{mathml(formula)}</math>"

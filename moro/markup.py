@@ -28,6 +28,7 @@ _OPERATORS = {
     "-": MINUS,
     "(": OPEN,
     ")": CLOSE,
+    "/": Box("/", "<mo>/</mo>", 0.5),
     ",": Box(",", "<mo>,</mo>", 0.45),
     r"\,": SPACE,
     r"\quad": Box(r"\quad ", '<mspace width="1em"/>', 1.0),
@@ -61,7 +62,7 @@ def _items(marks: list[str]) -> tuple[Formula, list[str]]:
         while marks and marks[0] in "_^":
             which, (script, marks) = marks[0], _group(marks[1:])
             below, above = (script, above) if which == "_" else (below, script)
-        if below is not None or above is not None:
+        if (below, above) != (None, None):
             boxes = [*boxes[:-1], scripts(boxes[-1], below, above)]
         formula += boxes
     return formula, marks
@@ -85,6 +86,8 @@ def _nucleus(marks: list[str]) -> tuple[Formula, list[str]]:
         return _group(marks)
     if mark in (r"\dot", r"\ddot"):
         inner, rest = _group(rest)
+        if not inner:
+            raise ValueError("nothing below the dots")
         return [dotted(inner[0], 1 if mark == r"\dot" else 2)], rest
     if mark == r"\frac":
         above, rest = _group(rest)

@@ -28,6 +28,7 @@ from moro.typeset import (
     dotted,
     fraction,
     function,
+    latex,
     letter,
     matrix,
     number,
@@ -38,7 +39,7 @@ from moro.typeset import (
 )
 
 #: fractions with larger denominators are printed as decimals
-_MAX_DENOMINATOR = 12
+MAX_DENOMINATOR = 12
 #: a bracket wider than this goes to the end of its product [em]
 _LONG_BRACKET = 36.0
 #: a numerator wider than this stands behind its fraction [em]
@@ -64,15 +65,26 @@ class Notation:
     """How the formulas of one robot are written.
 
     ``variables`` are the joint variables, in order; ``symbols`` all other symbols of the model.
-    ``digits``: significant digits of decimals.
+    With ``short``, s_2 stands for sin(q_2), if the model has no such symbol itself. With
+    ``decimals``, fractions are printed as decimals where those end. Decimals have up to ``digits``
+    digits.
     """
 
-    def __init__(self, variables: Sequence[Any] = (), symbols: Iterable[Any] = (), digits: int = 5):
+    def __init__(
+        self,
+        variables: Sequence[Any] = (),
+        symbols: Iterable[Any] = (),
+        digits: int = 5,
+        short: bool = True,
+        decimals: bool = False,
+    ):
+        self.digits = digits
+        self.short = short and not any(re.fullmatch(r"[sc]_?\{?\d+\}?", str(x)) for x in symbols)
+        self._decimals = decimals
+        #: whether a number has been rounded
+        self.rounded = False
         self._joints = {q: i for i, q in enumerate(variables, 1)}
-        self._digits = digits
         self._factors: dict[Any, _Part] = {}
-        #: whether s_2 and c_2 are free to stand for sin(q_2) and cos(q_2)
-        self.short = not any(re.fullmatch(r"[sc]_?\{?\d+\}?", str(x)) for x in symbols)
 
     def formula(self, expr: Any) -> Formula:
         """Return an expression as a formula."""
@@ -87,13 +99,11 @@ class Notation:
             formula += term.boxes
         return formula
 
-    def matrix(self, entries: Any) -> Box:
-        """Return a matrix of expressions."""
-        return matrix([[self.formula(x) for x in row] for row in sp.Matrix(entries).tolist()])
-
-    def short_sine(self, joints: Sequence[int], name: str = "s") -> Box:
-        """Return s_{23}, the sine of the sum of joint variables 2 and 3, or c_{23}."""
-        return scripts(letter(name), self._indices(joints))
+    def latex(self, expr: Any) -> str:
+        """Return an expression or a matrix in LaTeX, for math mode."""
+        if isinstance(expr, sp.MatrixBase):
+            return matrix([[self.formula(x) for x in row] for row in expr.tolist()]).latex
+        return latex(self.formula(expr))
 
     # -- terms ------------------------------------------------------------------------------------
 
@@ -115,7 +125,7 @@ class Notation:
         """Return c * factors / below, a fraction where it stays small."""
         above = _joined(factor.boxes for factor in factors)
         plain = all(factor.key[0] == 0 for factor in factors)
-        if c.is_Rational and c.q > 1 and (below or plain) and c.q <= _MAX_DENOMINATOR:
+        if (below or (plain and above)) and self._is_fraction(c):
             below, c = [sp.Integer(c.q), *below], sp.Integer(c.p)
         if not below:
             return _joined([self._number(c), above]) if c != 1 or not above else above
@@ -150,21 +160,26 @@ class Notation:
         base, exponent = factor.as_base_exp()
         above = self.formula(exponent) if exponent != 1 else None
         if exponent == sp.Rational(1, 2):
-            return _Part((self._rank(base), 0), [root(self.formula(base))])
+            rank = self._rank(base)
+            return _Part((2 if rank == 1 else rank, []), [root(self.formula(base))])
         parts = self._letter_and_index(base)
         if parts is not None:
             return _Part(self._key(base), [scripts(*parts, above)])
         if isinstance(base, sp.Function) and all(isinstance(x, sp.Expr) for x in base.args):
-            name, arguments = function(base.func.__name__), base.args
-            boxes = [scripts(name, None, above), *self._bracket(*arguments)]
-            return _Part(self._key(base), boxes)
+            name = scripts(function(base.func.__name__), None, above)
+            return _Part(self._key(base), [name, *self._argument(base)])
         if base.is_Number:
-            return _Part((0, 0), _powered(self._number(base), above))
+            return _Part((0, []), _powered(self._number(base), above))
         if base.is_Add or base.is_Mul:
             boxes = _powered(self._bracket(base), above)
             late = width(boxes) > _LONG_BRACKET
-            return _Part((9 if late else self._rank(base), 0), boxes)
-        return _Part((9, 0), _powered([text(str(base))], above))
+            return _Part((9 if late else self._rank(base), []), boxes)
+        return _Part((9, []), _powered([text(str(base))], above))
+
+    def _argument(self, function: Any) -> Formula:
+        argument = function.args[0]
+        bare = isinstance(function, (sp.sin, sp.cos)) and self._letter_and_index(argument)
+        return self.formula(argument) if bare else self._bracket(*function.args)
 
     def _bracket(self, *expressions: Any) -> Formula:
         boxes = [OPEN]
@@ -226,6 +241,9 @@ class Notation:
         comma = "," if len(self._joints) > 9 and len(joints) > 1 else ""
         return markup(comma.join(map(str, joints)))
 
+    def _is_fraction(self, x: Any) -> bool:
+        return bool(x.is_Rational and 1 < x.q <= MAX_DENOMINATOR)
+
     # -- numbers ----------------------------------------------------------------------------------
 
     def _number(self, x: Any) -> Formula:
@@ -234,9 +252,11 @@ class Notation:
             return [OPEN, NEGATIVE, *self._number(-x), CLOSE]
         if x.is_Integer:
             return [number(str(x))]
-        if x.is_Rational and x.q <= _MAX_DENOMINATOR and not _is_decimal(x):
+        if self._is_fraction(x) and not (self._decimals and _ends(x)):
             return [fraction([number(str(x.p))], [number(str(x.q))])]
-        mantissa, _, exponent = f"{float(x):.{self._digits}g}".partition("e")
+        decimal = f"{float(x):.{self.digits}g}"
+        self.rounded |= sp.Rational(decimal) != x
+        mantissa, _, exponent = decimal.partition("e")
         if not exponent:
             return [number(mantissa)]
         power = [NEGATIVE] if exponent[0] == "-" else []
@@ -252,6 +272,11 @@ def _first_to_write(terms: Sequence[_Part]) -> int:
     """Return which term comes first: a positive one, if it is not moved past other rates."""
     alike = (i for i, term in enumerate(terms) if term.motion == terms[0].motion)
     return next((i for i in alike if not terms[i].negative), 0)
+
+
+def _ends(x: Any) -> bool:
+    """Whether a fraction is a decimal that ends."""
+    return all(p in (2, 5) for p in sp.primefactors(x.q))
 
 
 def symbol(name: str) -> tuple[Box, Formula | None]:
@@ -305,8 +330,3 @@ def _natural(name: str) -> tuple[Any, ...]:
     rank = 0 if name[0] in _FIRST else _INERTIAS if name[0] in _LAST else 1
     pieces = re.split(r"(\d+)", name)
     return (rank, *((0, int(x), "") if x.isdigit() else (1, 0, x) for x in pieces if x))
-
-
-def _is_decimal(x: Any) -> bool:
-    """Whether a fraction reads better as a decimal: a tenth, but not a half."""
-    return x.q in (5, 10)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, Literal
 
 import sympy as sp
@@ -18,6 +19,7 @@ from moro.collect import Collector
 from moro.display import Display
 from moro.from_dh import model_from_dh
 from moro.model import Model
+from moro.notation import MAX_DENOMINATOR, Notation
 from moro.regressor import Regressor, regressor_columns
 from moro.rows import given_rows, read_convention, read_rows
 from moro.standard_parameters import BODY, Standard
@@ -136,7 +138,8 @@ class Robot:
     def dh_table(self) -> Table:
         """The rows as a table that prints in text, LaTeX and Jupyter."""
         headings = ("i", "a", "alpha", "d", "theta", "type")
-        return Table(headings, [(i, *row) for i, row in enumerate(self.dh_parameters, 1)])
+        rows = [(i, *row) for i, row in enumerate(self.dh_parameters, 1)]
+        return Table(headings, rows, self._notation)
 
     @property
     def joint_limits(self) -> list[tuple[Any, Any]]:
@@ -577,6 +580,26 @@ class Robot:
                 rows.append((name, "not set", use))
         return Table(("quantity", "state", "value"), rows)
 
+    def latex(self, expr: Any) -> str:
+        r"""Return an expression, or matrix, in LaTeX as the texts write it: s_{23}, \dot{q}_1."""
+        return self._notation.latex(expr)
+
+    def report(
+        self, kind: Literal["tex", "html"], path: str | os.PathLike[str] | None = None
+    ) -> str:
+        """Return the derivation of the arm's equations, for LaTeX or a browser.
+
+        Rows, frames, Jacobians, energies, M, C, G and the equations of motion, in the notation of
+        the texts, long sub-expressions named, no line wider than the page. ``path``: written there
+        too. The LaTeX needs amsmath and geometry, the HTML nothing else.
+        """
+        from moro.report import report
+
+        page = report(self, kind)
+        if path is not None:
+            Path(path).write_text(page, encoding="utf-8")
+        return page
+
     def model(self) -> Model:
         """Return the arm as the recursive algorithms read it (``moro.model``)."""
         return model_from_dh(self.name, self.arm, self._viscous_friction, self._coulomb_friction)
@@ -634,9 +657,17 @@ class Robot:
         return self._display
 
     @property
+    def _notation(self) -> Notation:
+        fractions = {x for values in self._constants() for x in values.atoms(sp.Rational)}
+        decimals = any(x.q in (5, 10) or x.q > MAX_DENOMINATOR for x in fractions)
+        return Notation(self.qs, self.parameters, decimals=decimals)
+
+    @property
     def _collector(self) -> Collector:
         if "collector" not in self._results:
-            self._results["collector"] = Collector(self._form, self._shown_by, self.parameters)
+            self._results["collector"] = Collector(
+                self._form, self._shown_by, self._notation, self.parameters
+            )
         collector: Collector = self._results["collector"]
         return collector
 

@@ -72,7 +72,7 @@ def width(formula: Formula) -> float:
 #: continuation lines are indented, more within brackets
 _INDENT, _INDENT_PER_BRACKET = 1.5, 0.5
 #: what a break costs: each bracket around it, between factors, and a line that is left empty
-_BRACKET_COST, _FACTOR_COST, _EMPTY_COST = 0.25, 2.0, 1.5
+_BRACKET_COST, _FACTOR_COST, _EMPTY_COST = 0.6, 2.0, 1.5
 
 
 def broken(formula: Formula, limit: float) -> list[Line]:
@@ -135,7 +135,7 @@ OPEN = Box("(", '<mo stretchy="false">(</mo>', 0.4, "open")
 CLOSE = Box(")", '<mo stretchy="false">)</mo>', 0.4, "close")
 
 _SMALL = 0.8
-_NARROW, _WIDE = "fijlrtI", "mwMWACDGHKNOQX"
+_WIDTHS = dict.fromkeys("ijlrtI.,;: ", 0.45) | {"w": 0.75, "m": 0.9, "M": 1.0, "W": 1.0}
 _LATEX_SPECIALS = {c: "\\" + c for c in "#$%&_{}"} | {
     "\\": r"\textbackslash{}",
     "~": r"\textasciitilde{}",
@@ -256,6 +256,4 @@ def _composed(words: str) -> str:
 
 
 def _letter_width(character: str) -> float:
-    if character in _NARROW:
-        return 0.45
-    return 0.9 if character in _WIDE else 0.58
+    return _WIDTHS.get(character) or (0.82 if character.isupper() else 0.55)

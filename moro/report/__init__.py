@@ -1,0 +1,37 @@
+"""The derivation of an arm's equations of motion, written out: ``robot.report("tex" | "html")``.
+
+Sections: the arm as given, frames, Jacobians, energies, M, C and G, equations of motion. Entries
+that are long are written in named constants (``moro.collect``), long sums are broken into lines,
+and what would still be longer than a reader wants is given by its formula.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from moro.report.dynamics import dynamics
+from moro.report.given import given
+from moro.report.kinematics import kinematics
+from moro.report.page import PAGE_WIDTH, Format, Section, render
+from moro.report.writer import Writer
+
+if TYPE_CHECKING:
+    from moro.robot import Robot
+
+
+def report(robot: Robot, target: Format) -> str:
+    """Return the derivation in LaTeX ("tex") or as a self-contained page with MathML ("html").
+
+    What is not set is left out, and the report says so. ValueError for another format.
+    """
+    if target not in PAGE_WIDTH:
+        raise ValueError(f'a report is "tex" or "html", not {target!r}')
+    title = f"Equations of motion: {robot.name}"
+    return render(title, sections(robot, PAGE_WIDTH[target]), target)
+
+
+def sections(robot: Robot, page: float) -> list[Section]:
+    """Return the sections of the report for a page that is ``page`` em wide."""
+    writer = Writer(robot, page)
+    derived = [*kinematics(writer), *dynamics(writer)]
+    return [*given(writer), *derived]  # last, since it says whether numbers have been rounded

@@ -1,0 +1,122 @@
+"""What is given: rows, bodies, drives, gravity, and the notation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import sympy as sp
+
+from moro.markup import markup
+from moro.notation import Notation
+from moro.report.page import Block, Paragraph, Section, paragraph
+from moro.report.writer import Writer
+from moro.typeset import Formula, matrix, text
+
+_KINDS = {"r": "revolute", "p": "prismatic"}
+_PAIRS = ("xx", "yy", "zz", "xy", "xz", "yz")
+
+
+def given(writer: Writer) -> Iterator[Section]:
+    """Yield the section that describes the arm."""
+    yield Section("The arm", [*_rows(writer), *_bodies(writer), *_legend(writer)])
+
+
+def _rows(writer: Writer) -> Iterator[Block]:
+    robot, write = writer.robot, writer.write
+    proximal = robot.convention == "mdh"
+    which, before = ("modified", "i-1") if proximal else ("standard", "i")
+    yield paragraph(
+        f"An arm with {robot.dof} joint{'s' if robot.dof > 1 else ''}, given by {which} "
+        "Denavit-Hartenberg parameters. Frame $i$ is fixed to link $i$, frame $0$ to the base."
+    )
+    names = ("i", f"a_{{{before}}}", rf"\alpha_{{{before}}}", "d_i", r"\theta_i")
+    heads = [*map(markup, names), [text("joint")], [text("limits")]]
+    lines = []
+    for i, (*values, kind) in zip(writer.numbers, robot.dh_parameters, strict=True):
+        lower, upper = map(write, robot.joint_limits[i - 1])
+        limits = [*lower, *markup(r"\le"), *write(robot.q(i)), *markup(r"\le"), *upper]
+        lines.append([write(i), *map(write, values), [text(_KINDS[kind])], limits])
+    yield from writer.table(heads, lines)
+    yield paragraph(
+        "Frame $i$ expressed in frame $i-1$, by turns $R$ and shifts $T$ about and along axes"
+        + (r", with $a_{i-1}$ and $\alpha_{i-1}$ of the row before:" if proximal else ":")
+    )
+    order = r"R_x(\alpha) T_x(a) R_z(\theta) T_z(d)"
+    if not proximal:
+        order = r"R_z(\theta) T_z(d) T_x(a) R_x(\alpha)"
+    general = writer.displayed(f"T^{{i-1}}_i = {order}", _transform(robot.convention))
+    if general is not None:
+        yield general
+
+
+def _transform(convention: str) -> Any:
+    """Return the transform of one row, in general."""
+    a, alpha, d, theta = sp.symbols("a alpha d theta")
+    c, s, ca, sa = sp.cos(theta), sp.sin(theta), sp.cos(alpha), sp.sin(alpha)
+    entries = [[c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0, sa, ca, d]]
+    if convention == "mdh":
+        entries = [[c, -s, 0, a], [s * ca, c * ca, -sa, -d * sa], [s * sa, c * sa, ca, d * ca]]
+    write = Notation().formula
+    return matrix([[write(x) for x in row] for row in [*entries, [0, 0, 0, 1]]])
+
+
+def _bodies(writer: Writer) -> Iterator[Block]:
+    robot = writer.robot
+    masses: dict[str, Sequence[Any]] = {}
+    if robot.masses is not None:
+        masses["m_i"] = robot.masses
+    if robot.cm_positions is not None:
+        masses |= {f"{x}_{{C_i}}": _component(robot.cm_positions, k) for k, x in enumerate("xyz")}
+    if masses:
+        yield paragraph("Masses, and centres of mass $r_{C_i}$ in frame $i$, as far as set:")
+        yield from writer.columns(masses)
+    if robot.inertia_tensors is not None:
+        yield paragraph("Inertia tensors $I_i$ about the centres of mass, in axes of frame $i$:")
+        places = {pair: ("xyz".index(pair[0]), "xyz".index(pair[1])) for pair in _PAIRS}
+        tensors = {p: [I[at] for I in robot.inertia_tensors] for p, at in places.items()}
+        yield from writer.columns(
+            {f"I_{{{p}}}": x for p, x in tensors.items() if p[0] == p[1] or any(x)}
+        )
+    drives = {
+        "I_{r_i}": robot.rotor_inertias,
+        "b_i": robot.viscous_friction,
+        "f_i^{+}": robot.coulomb_friction and _component(robot.coulomb_friction, 0),
+        "f_i^{-}": robot.coulomb_friction and _component(robot.coulomb_friction, 1),
+    }
+    found = {name: values for name, values in drives.items() if values is not None}
+    if found:
+        yield paragraph(
+            "Rotor inertia $I_{r_i}$ on the side of the link, viscous friction $b_i$, Coulomb "
+            "friction $f_i^{+}$ where the joint moves forward and $f_i^{-}$ where backward, as far "
+            "as they are set:"
+        )
+        yield from writer.columns(found)
+    if robot.gravity is not None:
+        yield paragraph("Gravitational acceleration in frame $0$:")
+        yield from writer.vector("g_0", robot.gravity)
+
+
+def _component(vectors: Sequence[Any], k: int) -> list[Any]:
+    return [vector[k] for vector in vectors]
+
+
+def _legend(writer: Writer) -> Iterator[Block]:
+    robot, write = writer.robot, writer.write
+    parts: list[str | Formula] = []
+    turning = [q for q, kind in zip(robot.qs, robot.joint_types, strict=True) if kind == "r"]
+    if turning and writer.notation.short:
+        long = Notation(robot.qs, short=False)
+        first, second = sp.sin(turning[0]), sp.cos(sp.Add(*turning[:2]))
+        examples = ([*write(x), *markup("="), *long.formula(x)] for x in (first, second))
+        parts = ["Sines and cosines are abbreviated: ", next(examples), ", ", next(examples), ". "]
+    parts.append("Dots are derivatives with respect to time. Units are SI, angles in radians.")
+    if writer.notation.rounded:
+        parts.append(f" Numbers are rounded to {writer.notation.digits} digits.")
+    yield Paragraph(parts)
+    yield Paragraph(
+        [
+            "Matrices that are wider than the page are listed by their entries: those that are not "
+            "zero, of transforms in the first three rows, of symmetric ones not below the diagonal."
+        ]
+    )

@@ -1,0 +1,100 @@
+"""Blocks of a page from the quantities of a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from moro.equations import Equation, rows
+from moro.markup import markup
+from moro.report.page import Block, Displayed, Equations, Paragraph, Tabular
+from moro.typeset import Box, Formula, matrix, scripts, width
+
+if TYPE_CHECKING:
+    from moro.robot import Robot
+
+
+class Writer:
+    """Writes quantities of ``robot`` for a page that is ``page`` em wide."""
+
+    def __init__(self, robot: Robot, page: float):
+        self.robot = robot
+        self.notation = robot._notation
+        #: joints or links, from 1
+        self.numbers = range(1, robot.dof + 1)
+        self._page = page
+
+    def write(self, expr: Any) -> Formula:
+        """Return a SymPy expression as a formula."""
+        return self.notation.formula(expr)
+
+    def index(self, *numbers: int) -> str:
+        """Return a subscript, with commas where an arm has more than nine joints."""
+        return ("," if self.robot.dof > 9 else "").join(map(str, numbers))
+
+    def equation(self, name: str, value: Any) -> Equation:
+        """Return an equation: its left-hand side in markup, the right one an expression."""
+        return Equation(markup(name), self.write(value))
+
+    def transform(self, name: str, T: Any) -> Iterator[Block]:
+        """Yield a transform, without its last row where only entries are listed."""
+        displayed, *_ = self.matrix(name, T)
+        yield displayed if isinstance(displayed, Displayed) else next(self.matrix(name, T[:3, :]))
+
+    def matrix(self, name: str, M: Any) -> Iterator[Block]:
+        """Yield a matrix in brackets if it fits on a line, else its entries but zeros."""
+        formulas = [[self.write(x) for x in row] for row in sp.Matrix(M).tolist()]
+        displayed = self.displayed(name, matrix(formulas))
+        yield displayed or Equations(list(self.entries(name, M)) or [self.equation(name, 0)])
+
+    def vector(self, name: str, v: Any) -> Iterator[Block]:
+        """Yield a column as a transposed row if it fits on a line, else its entries."""
+        row = matrix([[self.write(x) for x in v]])
+        displayed = self.displayed(name, scripts(row, None, markup("T")))
+        yield displayed or Equations(list(self.entries(name, v)) or [self.equation(name, 0)])
+
+    def displayed(self, name: str, *boxes: Box) -> Displayed | None:
+        """Return ``name = boxes`` on a line of its own, None if it does not fit."""
+        formula = [*markup(name), *markup("="), *boxes]
+        return Displayed(formula) if width(formula) <= self._page else None
+
+    def entries(self, name: str, M: Any) -> Iterator[Equation]:
+        """Yield the entries that are not zero, of a symmetric matrix those from M_ii on."""
+        count, columns = M.shape
+        symmetric = count == columns > 1 and M == M.T
+        single = f"({name})" if "_" in name or "^" in name else name
+        for i in range(count):
+            for j in range(i if symmetric else 0, columns):
+                if M[i, j] != 0:
+                    at = self.index(i + 1, j + 1) if columns > 1 else self.index(i + 1)
+                    yield self.equation(f"{single}_{{{at}}}", M[i, j])
+
+    def columns(self, columns: Mapping[str, Sequence[Any]]) -> Iterator[Block]:
+        """Yield a table of values by link, or a list if it would be too wide."""
+        cells = [[self.write(column[i - 1]) for column in columns.values()] for i in self.numbers]
+        heads = [markup(head) for head in columns]
+        lines = [[self.write(i), *row] for i, row in zip(self.numbers, cells, strict=True)]
+        yield from self.table([[*markup("i")], *heads], lines)
+
+    def table(
+        self, heads: Sequence[Formula], lines: Sequence[Sequence[Formula]]
+    ) -> Iterator[Block]:
+        """Yield a table; if it is too wide, a list of its values below each other."""
+        table = Tabular([heads, *lines])
+        if table.width <= self._page:
+            yield table
+            return
+        for number, *values in lines:
+            yield Paragraph(["Row ", number, ":"])
+            pairs = zip(heads[1:], values, strict=True)
+            yield Equations([Equation(head, value) for head, value in pairs])
+
+    def definitions(self, constants: Mapping[Any, Any]) -> Equations:
+        """Return what names stand for."""
+        return Equations([Equation(self.write(k), self.write(x)) for k, x in constants.items()])
+
+    def lines(self, equations: Iterable[Equation]) -> int:
+        """Return how many lines equations take on the page."""
+        return sum(1 for _ in rows(list(equations), self._page))
