@@ -23,6 +23,7 @@ from moro.typeset import (
     OPEN,
     PLUS,
     SPACE,
+    THIN,
     Box,
     Formula,
     dotted,
@@ -179,7 +180,7 @@ class Notation:
     def _argument(self, function: Any) -> Formula:
         argument = function.args[0]
         bare = isinstance(function, (sp.sin, sp.cos)) and self._letter_and_index(argument)
-        return self.formula(argument) if bare else self._bracket(*function.args)
+        return [THIN, *self.formula(argument)] if bare else self._bracket(*function.args)
 
     def _bracket(self, *expressions: Any) -> Formula:
         boxes = [OPEN]

@@ -127,6 +127,8 @@ def _trimmed(boxes: Formula, first: bool) -> Formula:
 # -- boxes ----------------------------------------------------------------------------------------
 
 SPACE = Box(r"\,", '<mspace width="0.17em"/>', 0.17, "space")
+#: after the name of a function; LaTeX knows by itself
+THIN = Box("", '<mspace width="0.17em"/>', 0.17)
 PLUS = Box("+", "<mo>+</mo>", 1.25, "sign")
 MINUS = Box("-", "<mo>−</mo>", 1.25, "sign")
 #: of one number or term
@@ -185,8 +187,7 @@ def text(words: str) -> Box:
 def function(name: str) -> Box:
     """Return the name of a function, sin or sign."""
     command = rf"\{name} " if name in ("sin", "cos", "tan") else rf"\operatorname{{{name}}}"
-    space = '<mspace width="0.17em"/>'
-    return Box(command, f'<mi mathvariant="normal">{name}</mi>{space}', 0.5 * len(name) + 0.2)
+    return Box(command, f'<mi mathvariant="normal">{name}</mi>', 0.5 * len(name))
 
 
 def scripts(base: Box, below: Formula | None = None, above: Formula | None = None) -> Box:
