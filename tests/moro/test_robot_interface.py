@@ -117,7 +117,7 @@ class TestConstruction:
         assert table.headings == ("i", "a", "alpha", "d", "theta", "type")
         assert table[1] == (2, 0, alpha, d1 + q2, 0, "p")
         assert [line.split()[0] for line in repr(table).splitlines()[2:]] == ["1", "2"]
-        assert r"\frac{\pi}{2}" in robot._repr_latex_()
+        assert r"\tfrac{\pi }{2}" in robot._repr_latex_()
         assert "<td>" in table._repr_html_()
 
     def test_joint_variables_may_have_offsets(self):

@@ -1,0 +1,460 @@
+"""What is given of a robot arm: rows, masses, inertias, gravity, friction, limits, parameters."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Literal, TypeVar
+
+import sympy as sp
+
+from moro import checks
+from moro.abc import t
+from moro.closed_form import Arm
+from moro.from_dh import model_from_dh
+from moro.model import Model
+from moro.notation import MAX_DENOMINATOR, Notation
+from moro.rows import given_rows, read_convention, read_rows
+from moro.tables import Table
+
+_REVOLUTE_LIMITS = (-sp.pi, sp.pi)
+_PRISMATIC_LIMITS = (sp.Integer(0), sp.Integer(1000))
+
+_Self = TypeVar("_Self", bound="Description")
+
+
+class Description:
+    """The data of an arm, checked as they are set. ``Robot`` says what follows from them."""
+
+    def __init__(self, *rows: Any, convention: Literal["dh", "mdh"] = "dh", name: str = "robot"):
+        self.name = name
+        self._convention = read_convention(convention)
+        self._rows_as_given = given_rows(rows)
+        self._rows = read_rows(self._rows_as_given)
+        self._masses: tuple[Any, ...] | None = None
+        self._cm_positions: tuple[tuple[Any, ...], ...] | None = None
+        self._inertia_tensors: tuple[tuple[tuple[Any, ...], ...], ...] | None = None
+        self._gravity: tuple[Any, ...] | None = None
+        self._rotor_inertias: tuple[Any, ...] | None = None
+        self._viscous_friction: tuple[Any, ...] | None = None
+        self._coulomb_friction: tuple[tuple[Any, Any], ...] | None = None
+        self._joint_limits: tuple[tuple[Any, Any], ...] | None = None
+        self._defaults: dict[Any, Any] = {}
+        self._assumed: set[str] = set()
+        self._with_floats: set[str] = set()
+        if checks.has_float(self._rows_as_given):
+            self._with_floats.add("rows")
+        self._forget()
+
+    @property
+    def name(self) -> str:
+        """Name of the robot, a text."""
+        return self._name
+
+    @name.setter
+    def name(self, text: Any) -> None:
+        self._name = checks.name(text, "name")
+
+    @property
+    def convention(self) -> str:
+        """Convention of the rows: "dh" (standard) or "mdh" (modified)."""
+        return self._convention
+
+    @property
+    def dof(self) -> int:
+        """Number of joints, n."""
+        return len(self._rows)
+
+    @property
+    def joint_types(self) -> list[str]:
+        """Type of each joint, "r" (revolute) or "p" (prismatic)."""
+        return [row.kind for row in self._rows]
+
+    def joint_type(self, i: int) -> str:
+        """Type of joint i: "r" (revolute) or "p" (prismatic)."""
+        return self._rows[self._joint(i)].kind
+
+    @property
+    def qs(self) -> list[Any]:
+        """Joint variables q_1..q_n [rad or m]."""
+        return [row.variable for row in self._rows]
+
+    def q(self, i: int) -> Any:
+        """Joint variable q_i [rad or m]."""
+        return self._rows[self._joint(i)].variable
+
+    def q_dot(self, i: int) -> Any:
+        """Joint velocity dq_i/dt [rad/s or m/s]; 0, with a warning, if q_i is a plain symbol."""
+        self._warn_if_static("q_dot", [self.q(i)])
+        return self.q(i).diff(t)
+
+    @property
+    def dh_parameters(self) -> list[tuple[Any, ...]]:
+        """The rows as they were given, (a, alpha, d, theta, type)."""
+        return [
+            (*map(sp.sympify, given[:4]), row.kind)
+            for given, row in zip(self._rows_as_given, self._rows, strict=True)
+        ]
+
+    @property
+    def dh_table(self) -> Table:
+        """The rows as a table that prints in text, LaTeX and Jupyter."""
+        headings = ("i", "a", "alpha", "d", "theta", "type")
+        rows = [(i, *row) for i, row in enumerate(self.dh_parameters, 1)]
+        return Table(headings, rows, self._notation)
+
+    @property
+    def joint_limits(self) -> list[tuple[Any, Any]]:
+        """(lower, upper) of each joint [rad or m]; by default -pi..pi and 0..1000."""
+        if self._joint_limits is not None:
+            return list(self._joint_limits)
+        return [_REVOLUTE_LIMITS if row.kind == "r" else _PRISMATIC_LIMITS for row in self._rows]
+
+    @joint_limits.setter
+    def joint_limits(self, limits: Any) -> None:
+        if limits is None:
+            self._joint_limits = None
+            return
+        pairs = checks.groups(limits, self.dof, "joint_limits", of="joint")
+        self._joint_limits = tuple(
+            checks.limits(pair, f"limits of joint {i}") for i, pair in enumerate(pairs, 1)
+        )
+
+    @property
+    def masses(self) -> list[Any] | None:
+        """m_1..m_n [kg]; None if not set. Setting None makes them the symbols m_1..m_n."""
+        return None if self._masses is None else list(self._masses)
+
+    @masses.setter
+    def masses(self, values: Any) -> None:
+        if values is None:
+            new = tuple(sp.Symbol(f"m_{i}") for i in range(1, self.dof + 1))
+        else:
+            values = checks.scalars(values, self.dof, "masses")
+            new = tuple(
+                checks.not_negative(m, f"m_{i} of masses", self.qs) for i, m in enumerate(values, 1)
+            )
+        self._set("masses", new, values)
+
+    def m(self, i: int) -> Any:
+        """Mass m_i of link i [kg]."""
+        return self._needed("masses")[self._link(i)]
+
+    @property
+    def cm_positions(self) -> list[sp.Matrix] | None:
+        """Centres of mass r_Ci, in frame i [m]; None if not set."""
+        if self._cm_positions is None:
+            return None
+        return [sp.Matrix(r) for r in self._cm_positions]
+
+    @cm_positions.setter
+    def cm_positions(self, values: Any) -> None:
+        if values is None:
+            raise ValueError("cm_positions are never assumed: give one [x, y, z] for each link")
+        values = checks.groups(values, self.dof, "cm_positions")
+        new = tuple(
+            checks.vector(r, f"cm_positions of link {i}", self.qs) for i, r in enumerate(values, 1)
+        )
+        self._set("cm_positions", new, values)
+
+    @property
+    def inertia_tensors(self) -> list[sp.Matrix] | None:
+        """Inertia tensors I_Ci about the centres of mass, in axes of frame i [kg m^2].
+
+        None if not set. Setting None makes them diagonal, diag(I_{x_ix_i}, I_{y_iy_i}, I_{z_iz_i}).
+        """
+        if self._inertia_tensors is None:
+            return None
+        return [sp.Matrix(I) for I in self._inertia_tensors]
+
+    @inertia_tensors.setter
+    def inertia_tensors(self, values: Any) -> None:
+        if values is None:
+            new = tuple(_diagonal(i) for i in range(1, self.dof + 1))
+        else:
+            values = checks.groups(values, self.dof, "inertia_tensors")
+            new = tuple(
+                checks.tensor(I, f"inertia tensor of link {i}", self.qs)
+                for i, I in enumerate(values, 1)
+            )
+        self._set("inertia_tensors", new, values)
+
+    def I_cm(self, i: int) -> sp.Matrix:
+        """Inertia tensor I_Ci of link i about its centre of mass, in axes of frame i [kg m^2]."""
+        return sp.Matrix(self._needed("inertia_tensors")[self._link(i)])
+
+    @property
+    def gravity(self) -> sp.Matrix | None:
+        """Gravitational acceleration, in frame 0 [m/s^2]; None if not set."""
+        return None if self._gravity is None else sp.Matrix(self._gravity)
+
+    @gravity.setter
+    def gravity(self, value: Any) -> None:
+        if value is None:
+            raise ValueError("gravity is never assumed: give [x, y, z] in frame 0, [0, 0, -g] say")
+        self._set("gravity", checks.vector(value, "gravity", self.qs), value)
+
+    @property
+    def rotor_inertias(self) -> list[Any] | None:
+        """Rotor inertias, link side, on M's diagonal [kg m^2 or kg]; None means none."""
+        return None if self._rotor_inertias is None else list(self._rotor_inertias)
+
+    @rotor_inertias.setter
+    def rotor_inertias(self, values: Any) -> None:
+        self._set_joint_constants("rotor_inertias", values)
+
+    @property
+    def viscous_friction(self) -> list[Any] | None:
+        """Viscous friction coefficients [N m s/rad or N s/m]; None means none."""
+        return None if self._viscous_friction is None else list(self._viscous_friction)
+
+    @viscous_friction.setter
+    def viscous_friction(self, values: Any) -> None:
+        self._set_joint_constants("viscous_friction", values)
+
+    @property
+    def coulomb_friction(self) -> list[tuple[Any, Any]] | None:
+        """Coulomb friction for (qd > 0, qd < 0), as magnitudes [N m or N]; None means none."""
+        return None if self._coulomb_friction is None else list(self._coulomb_friction)
+
+    @coulomb_friction.setter
+    def coulomb_friction(self, values: Any) -> None:
+        if values is None:
+            self._set("coulomb_friction", None, None)
+            return
+        values = checks.pairs(values, self.dof, "coulomb_friction")
+        new = tuple(
+            checks.both_directions(x, f"coulomb_friction of joint {i}", self.qs)
+            for i, x in enumerate(values, 1)
+        )
+        self._set("coulomb_friction", new, values)
+
+    @property
+    def parameters(self) -> dict[Any, Any]:
+        """The symbols left free in the model, with their default values (None: no default).
+
+        Kernels take them at run time, in this order. Set a dictionary to give defaults.
+        """
+        free = set().union(*(x.free_symbols for x in self._constants())) - {t, *self.qs}
+        _unlike_names(free)
+        ordered = [s for s in self._defaults if s in free]
+        ordered += sorted(free - set(ordered), key=lambda s: sp.default_sort_key(s))
+        return {s: self._defaults.get(s) for s in ordered}
+
+    @parameters.setter
+    def parameters(self, defaults: Mapping[Any, Any]) -> None:
+        self._defaults = {
+            _symbol(key): None if value is None else checks.number(value, f"default of {key}")
+            for key, value in _items(defaults, "parameters")
+        }
+
+    def with_parameters(self: _Self, values: Mapping[Any, Any]) -> _Self:
+        """Return a new robot in which symbols have been given values.
+
+        ``values`` maps symbols, or their names, to numbers or expressions. ValueError for a symbol
+        that the model does not hold.
+        """
+        known = {str(s): s for s in self.parameters}
+        new: dict[Any, Any] = {}
+        for key, value in _items(values, "values"):
+            symbol = known.get(str(key))
+            if symbol is None:
+                names = ", ".join(known) or "none"
+                near = checks.suggestion(str(key), known)
+                raise ValueError(
+                    f"{key} is not a symbol of the model; its symbols are {names}{near}"
+                )
+            if symbol in new:
+                raise ValueError(f"{key} is given two values")
+            checks.constant(value, f"value of {key}", self.qs)
+            new[symbol] = sp.sympify(value)
+        return self._substituted(new)
+
+    def model_summary(self) -> Table:
+        """Return what is given, what was assumed by default, and what is not set."""
+        rows = [("rows", "given", f"{self.dof}, {self._convention}, {''.join(self.joint_types)}")]
+        for name, use in _QUANTITIES.items():
+            value = getattr(self, f"_{name}")
+            if name in self._assumed:
+                rows.append((name, "assumed", _brief(getattr(self, name))))
+            elif value is not None:
+                rows.append((name, "given", _brief(getattr(self, name))))
+            elif name == "joint_limits":
+                rows.append((name, "assumed", _brief(self.joint_limits)))
+            else:
+                rows.append((name, "not set", use))
+        return Table(("quantity", "state", "value"), rows)
+
+    def model(self) -> Model:
+        """Return the arm as the recursive algorithms read it (``moro.model``)."""
+        return model_from_dh(self.name, self.arm, self._viscous_friction, self._coulomb_friction)
+
+    @property
+    def arm(self) -> Arm:
+        """The arm's data as ``moro.closed_form.ClosedForm`` reads it."""
+        return Arm(
+            self._rows,
+            self._convention,
+            self._masses,
+            self._cm_positions,
+            self._inertia_tensors,
+            self._gravity,
+            self._rotor_inertias,
+        )
+
+    def __repr__(self) -> str:
+        kinds = "".join(self.joint_types).upper()
+        return f"<Robot {self.name}: {self.dof} joints {kinds}, convention {self._convention}>"
+
+    def _repr_latex_(self) -> str:
+        return self.dh_table._repr_latex_()
+
+    # -- state -------------------------------------------------------------------------------------
+
+    def _forget(self) -> None:
+        """Drop what was derived from older values: called whenever one is set."""
+
+    @property
+    def _notation(self) -> Notation:
+        fractions = {x for values in self._constants() for x in values.atoms(sp.Rational)}
+        decimals = any(x.q in (5, 10) or x.q > MAX_DENOMINATOR for x in fractions)
+        return Notation(self.qs, self.parameters, decimals=decimals)
+
+    def _set(self, name: str, new: Any, given: Any) -> None:
+        setattr(self, f"_{name}", new)
+        self._assumed.discard(name)
+        self._with_floats.discard(name)
+        if given is None and new is not None:
+            self._assumed.add(name)
+        elif checks.has_float(given):
+            self._with_floats.add(name)
+        self._forget()
+
+    def _set_joint_constants(self, name: str, values: Any) -> None:
+        new = None
+        if values is not None:
+            values = checks.scalars(values, self.dof, name, of="joint")
+            new = tuple(
+                checks.not_negative(x, f"{name} of joint {i}", self.qs)
+                for i, x in enumerate(values, 1)
+            )
+        self._set(name, new, values)
+
+    def _needed(self, *names: str) -> Any:
+        """Return the last of these quantities; ValueError says how to set one that is missing."""
+        for name in names:
+            if getattr(self, f"_{name}") is None:
+                raise ValueError(f"{name} not set: {_QUANTITIES[name]}")
+        return getattr(self, f"_{names[-1]}")
+
+    def _constants(self) -> Iterable[Any]:
+        for row in self._rows:
+            yield from (row.a, row.alpha, row.d, row.theta)
+        yield from self._masses or ()
+        for vector in self._cm_positions or ():
+            yield from vector
+        for tensor in self._inertia_tensors or ():
+            for line in tensor:
+                yield from line
+        yield from self._gravity or ()
+        yield from self._rotor_inertias or ()
+        yield from self._viscous_friction or ()
+        for pair in self._coulomb_friction or ():
+            yield from pair
+
+    def _substituted(self: _Self, values: Mapping[Any, Any]) -> _Self:
+        def put(x: Any) -> Any:
+            if isinstance(x, tuple):
+                return tuple(put(item) for item in x)
+            return x.xreplace(values) if isinstance(x, sp.Basic) else x
+
+        rows = []
+        for row in self._rows:
+            a, alpha, d, theta = map(put, (row.a, row.alpha, row.d, row.theta))
+            turning = row.kind == "r"
+            theta, d = (theta + row.variable, d) if turning else (theta, d + row.variable)
+            rows.append((a, alpha, d, theta, row.kind))
+        robot = type(self)(*rows, convention=self._convention, name=self.name)
+        for name in _QUANTITIES:
+            value = getattr(self, f"_{name}")
+            if value is not None:
+                setattr(robot, name, put(value))
+        robot._assumed = set(self._assumed)
+        robot._defaults = {s: x for s, x in self._defaults.items() if s not in values}
+        robot._with_floats |= self._with_floats
+        return robot
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_") and not hasattr(type(self), name):
+            near = checks.suggestion(name, (x for x in dir(type(self)) if not x.startswith("_")))
+            raise AttributeError(f"a Robot has no {name}{near}")
+        super().__setattr__(name, value)
+
+    def _warn_if_static(self, method: str, variables: Sequence[Any] | None = None) -> None:
+        static = [q for q in variables or self.qs if q.is_Symbol]
+        if static:
+            names = ", ".join(map(str, static))
+            warnings.warn(
+                f"{method}: velocities are zero, for {names} is no function of time; use q1 of "
+                "moro.abc, or sympy.Function('q1')(t), as joint variable",
+                UserWarning,
+                stacklevel=3,
+            )
+
+    def _joint(self, i: int) -> int:
+        return checks.index(i, 1, self.dof, "joint") - 1
+
+    def _link(self, i: int) -> int:
+        return checks.index(i, 1, self.dof, "link") - 1
+
+    def _frame(self, i: int) -> int:
+        return checks.index(i, 0, self.dof, "frame")
+
+
+#: what can be set, and how
+_QUANTITIES = {
+    "masses": "robot.masses = [m1, ...], or None for symbols m_1, m_2, ...",
+    "cm_positions": "robot.cm_positions = [[x, y, z], ...], in frame i",
+    "inertia_tensors": "robot.inertia_tensors = [3 x 3 matrix, ...], or None for diagonal symbols",
+    "gravity": "robot.gravity = [x, y, z], in frame 0",
+    "rotor_inertias": "none; robot.rotor_inertias = [value, ...]",
+    "viscous_friction": "none; robot.viscous_friction = [value, ...]",
+    "coulomb_friction": "none; robot.coulomb_friction = [value or (forward, backward), ...]",
+    "joint_limits": "robot.joint_limits = [(lower, upper), ...]",
+}
+
+
+def _diagonal(i: int) -> tuple[tuple[Any, ...], ...]:
+    symbols = [sp.Symbol(f"I_{{{x}_{i}{x}_{i}}}") for x in "xyz"]
+    zero = sp.Integer(0)
+    return tuple(tuple(symbols[j] if j == k else zero for k in range(3)) for j in range(3))
+
+
+def _items(values: Any, what: str) -> Iterable[tuple[Any, Any]]:
+    if not isinstance(values, Mapping):
+        raise TypeError(
+            f"{what} must be a dictionary {{symbol: value}}, not {checks.brief(values)}"
+        )
+    return values.items()
+
+
+def _unlike_names(symbols: Iterable[Any]) -> None:
+    """Raise ValueError if two different symbols have one name."""
+    names = [str(s) for s in symbols]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(
+                f"two different symbols are called {name}: Symbol({name!r}) and one with "
+                "assumptions, real=True say; use one of them throughout"
+            )
+
+
+def _symbol(key: Any) -> Any:
+    if not isinstance(key, (str, sp.Symbol)):
+        raise TypeError(f"a parameter must be a symbol or its name, not {checks.brief(key)}")
+    return sp.Symbol(key) if isinstance(key, str) else key
+
+
+def _brief(value: Any) -> str:
+    text = str([x.tolist() if isinstance(x, sp.MatrixBase) else x for x in value])
+    return text if len(text) <= 60 else text[:57] + "..."
