@@ -180,7 +180,7 @@ def text(words: str) -> Box:
     return Box(
         rf"\text{{{escaped_latex(words)}}}",
         f"<mtext>{escape(_composed(words))}</mtext>",
-        sum(map(_letter_width, words)),
+        sum(map(_letter_width, _printable(words))),
     )
 
 
@@ -246,14 +246,18 @@ def matrix(rows: Sequence[Sequence[Formula]]) -> Box:
 
 def escaped_latex(words: str) -> str:
     """Return text for LaTeX: special characters escaped, others than Latin ones by number."""
-    characters = (c if ord(c) < 0x180 else f"[U+{ord(c):04X}]" for c in _composed(words))
-    return "".join(_LATEX_SPECIALS.get(c, c) for c in characters)
+    return "".join(_LATEX_SPECIALS.get(c, c) for c in _printable(words))
 
 
 def _composed(words: str) -> str:
     """Return text with accents on their letters, and without control characters."""
     composed = unicodedata.normalize("NFC", words)
     return "".join(c if unicodedata.category(c)[0] != "C" else " " for c in composed)
+
+
+def _printable(words: str) -> str:
+    """Return text in characters that LaTeX has: others than Latin ones by their number."""
+    return "".join(c if ord(c) < 0x180 else f"[U+{ord(c):04X}]" for c in _composed(words))
 
 
 def _letter_width(character: str) -> float:
