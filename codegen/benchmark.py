@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from moro_codegen.emit.describe import shape
 from moro_codegen.kernel import Kernel
 from moro_codegen.verify import parameter_values
 
@@ -25,12 +26,13 @@ LAMBDIFY_TERMS = 10_000
 
 @dataclass(frozen=True)
 class Timing:
-    """Seconds that one evaluation of tau takes, in some way."""
+    """Seconds that one evaluation of a function takes, in some way."""
 
     what: str
     seconds: float
     #: per sample of a batch, not of one call
     batch: bool = False
+    function: str = "tau"
 
 
 def time_tau(
@@ -67,6 +69,23 @@ def time_tau(
     ):
         timings.append(Timing(what, seconds(call, names) / BATCH, batch=True))
     return timings
+
+
+def time_function(kernel: Kernel, robot: Robot, name: str) -> list[Timing]:
+    """Time a function of a kernel at one random state, and per sample of a batch."""
+    rng = np.random.default_rng(0)
+    values = [float(x) for x in parameter_values(robot, rng).values()]
+    given = kernel.signatures[name].given
+    batch = [rng.uniform(-1, 1, (BATCH, *shape(a))) for a in given]
+    names: dict[str, Any] = {
+        "function": getattr(kernel, name),
+        "one": [x[0].copy() for x in batch],
+        "batch": batch,
+        "parameters": {"parameters": np.array(values)} if values else {},
+    }
+    one = seconds("function(*one, **parameters)", names)
+    many = seconds("function(*batch, **parameters)", names) / BATCH
+    return [Timing("", one, function=name), Timing("", many, batch=True, function=name)]
 
 
 def lambdify_tau(robot: Robot) -> Callable[..., Any]:

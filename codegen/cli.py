@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import difflib
 import hashlib
 import sys
+import textwrap
 import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -22,17 +24,79 @@ if TYPE_CHECKING:
     from moro import Robot
 
 
+#: columns of --help
+WIDTH = 78
+LANGUAGES = ("c", "cython", "python")
+
+
 def _epilog() -> str:
+    from moro_codegen.functions import FUNCTIONS
+
     from moro.io import packaged
 
-    return (
-        f"Packaged arms: {', '.join(packaged())}. "
-        "Exit code: 0 if the kernel verified, 1 if it did not, 2 if something given was wrong."
+    functions = [
+        line
+        for function in FUNCTIONS.values()
+        for line in (f"  {function.name}", *_indented(function.summary))
+    ]
+    return "\n\n".join(
+        [
+            "\b\n" + "\n".join(["Functions:", *functions]),
+            f"Packaged arms: {', '.join(packaged())}.",
+            "Exit code: 0 if the kernel verified, 1 if it did not, 2 if something given was wrong.",
+        ]
     )
 
 
-@click.command(epilog=_epilog(), context_settings={"help_option_names": ["-h", "--help"]})
+def _indented(text: str) -> list[str]:
+    return textwrap.wrap(text, WIDTH, initial_indent=" " * 6, subsequent_indent=" " * 6)
+
+
+class _Names(click.ParamType):  # type: ignore[type-arg]
+    """Names with commas between them, of those there are; ``+`` joins what is done together."""
+
+    name = "names"
+
+    def __init__(self, there: Iterable[str], joined: bool = False) -> None:
+        self.there = tuple(there)
+        self.joined = joined
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[Any, ...]:
+        if not isinstance(value, str):
+            return tuple(value)
+        items = [item.strip() for item in value.split(",") if item.strip()]
+        names = [item.split("+") if self.joined else [item] for item in items]
+        for name in (name for group in names for name in group):
+            if name not in self.there:
+                near = difflib.get_close_matches(name, self.there, n=1)
+                hint = f"did you mean {near[0]!r}? " if near else ""
+                self.fail(f"no {name!r}; {hint}there are {', '.join(self.there)}.", param, ctx)
+        if not names:
+            self.fail(f"none given; there are {', '.join(self.there)}.", param, ctx)
+        return tuple(tuple(group) if len(group) > 1 else group[0] for group in names)
+
+
+def _functions() -> _Names:
+    from moro_codegen.functions import FUNCTIONS
+
+    return _Names(FUNCTIONS, joined=True)
+
+
+@click.command(
+    epilog=_epilog(),
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": WIDTH + 2},
+)
 @click.argument("robot")
+@click.option(
+    "-f",
+    "--functions",
+    type=_functions(),
+    default="tau",
+    show_default=True,
+    help="What to generate, as listed below, with commas in between; a+b are two in one call.",
+)
 @click.option(
     "-o",
     "--output",
@@ -43,30 +107,51 @@ def _epilog() -> str:
 )
 @click.option(
     "--backend",
-    type=click.Choice(["c", "numpy"]),
+    type=click.Choice(["c", "cython", "numpy"]),
     default="c",
     show_default=True,
-    help="Compiled C, or a Python module with NumPy, which needs no compiler.",
+    help="Compiled C, a Cython extension, or a Python module with NumPy, which needs no compiler.",
+)
+@click.option(
+    "--emit",
+    "languages",
+    type=_Names(LANGUAGES),
+    default=(),
+    help="Sources to write besides: c, cython (a package that pip installs without moro), python.",
 )
 @click.option("--no-benchmark", is_flag=True, help="Leave out the times per call.")
 @click.version_option(package_name="moro", prog_name="moro-codegen")
-def main(robot: str, output: Path, backend: str, no_benchmark: bool) -> None:
-    """Make a compiled inverse-dynamics kernel of an arm, and prove it.
+def main(
+    robot: str,
+    functions: tuple[Any, ...],
+    output: Path,
+    backend: str,
+    languages: tuple[str, ...],
+    no_benchmark: bool,
+) -> None:
+    """Make a compiled kernel of an arm's dynamics, and prove it.
 
     ROBOT is a robot.yaml, or the name of a packaged arm. The equations of motion are derived
-    symbolically; a kernel tau(q, qd, qdd) is generated on an independent route, compiled, compared
-    with the equations at random and awkward states, and timed. BUILD/NAME/ gets the C source, its
-    header, the shared library and a manifest.
+    symbolically; a kernel, by default tau(q, qd, qdd), is generated on an independent route,
+    compiled, compared with the equations at random and awkward states, and timed. BUILD/NAME/ gets
+    the C source, its header, the shared library and a manifest.
     """
     try:
-        passed = _run(robot, output, backend, not no_benchmark)
+        passed = _run(robot, functions, output, backend, languages, not no_benchmark)
     except _expected_errors() as error:
         click.echo(f"moro-codegen: error: {_message(error)}", err=True)
         sys.exit(2)
     sys.exit(0 if passed else 1)
 
 
-def _run(source: str, output: Path, backend: str, with_benchmark: bool) -> bool:
+def _run(
+    source: str,
+    functions: tuple[Any, ...],
+    output: Path,
+    backend: str,
+    languages: tuple[str, ...],
+    with_benchmark: bool,
+) -> bool:
     """Do the whole job and print the table; tell whether the kernel verified."""
     times: dict[str, float] = {}
     with _step("reading", times):
@@ -76,7 +161,7 @@ def _run(source: str, output: Path, backend: str, with_benchmark: bool) -> bool:
     with _step("deriving the equations of motion", times, "derive"):
         route = SymbolicRoute(robot)
     with _step("generating and compiling", times):
-        kernel = _build(robot, output, backend, source_record, times)
+        kernel = _build(robot, functions, output, backend, languages, source_record, times)
     with _step("comparing the kernel with the equations", times, "verify"):
         verification = verify(kernel, robot, route=route)
     timings = []
@@ -104,31 +189,46 @@ def _read(source: str) -> tuple[Robot, dict[str, str]]:
 
 
 def _build(
-    robot: Robot, output: Path, backend: Any, source: dict[str, str], times: dict[str, float]
+    robot: Robot,
+    functions: tuple[Any, ...],
+    output: Path,
+    backend: Any,
+    languages: Any,
+    source: dict[str, str],
+    times: dict[str, float],
 ) -> Kernel:
     """Return the kernel in its folder."""
     from moro_codegen import build
     from moro_codegen.generate import generate
+    from moro_codegen.requested import requested
 
     start = time.perf_counter()
-    program = generate(robot.model(), ("tau",), robot.parameters)
+    program = generate(robot.model(), requested(functions, robot), robot.parameters)
     generated = time.perf_counter() - start
-    kernel = build(program, output / robot.name, backend, source=source)
+    kernel = build(program, output / robot.name, backend, languages=languages, source=source)
     times["generate"] = generated + kernel.timings["emit"]
     times["compile"] = kernel.timings["compile"]
     return kernel
 
 
 def _benchmark(kernel: Kernel, robot: Robot, route: SymbolicRoute) -> list[Timing]:
-    """Time the kernel, the same program as NumPy code, and the equations through lambdify."""
+    """Time tau, also as NumPy code and as the equations through lambdify; and the others."""
     from moro_codegen import compile
-    from moro_codegen.benchmark import LAMBDIFY_TERMS, lambdify_tau, time_tau
+    from moro_codegen.benchmark import LAMBDIFY_TERMS, lambdify_tau, time_function, time_tau
 
+    others = [
+        timing
+        for name in kernel.signatures
+        if name != "tau"
+        for timing in time_function(kernel, robot, name)
+    ]
+    if "tau" not in kernel.signatures:
+        return others
     short = route.is_closed_form and route.terms <= LAMBDIFY_TERMS
     lambdified = lambdify_tau(robot) if short else None
     with TemporaryDirectory() as folder:
         in_numpy = compile(robot, directory=folder, backend="numpy")
-        return time_tau(kernel, in_numpy, robot, lambdified)
+        return [*time_tau(kernel, in_numpy, robot, lambdified), *others]
 
 
 def _print_table(
@@ -153,9 +253,11 @@ def _print_table(
     for row in _comparison(timings, route):
         table.add_row(*row)
     console = Console(highlight=False)
-    console.print(f"\n[bold]{kernel.name}: tau(q, qd, qdd)[/]\n")
+    calls = [f"{s.name}({', '.join(a.name for a in s.given)})" for s in kernel.signatures.values()]
+    console.print(f"\n[bold]{kernel.name}: {', '.join(calls)}[/]\n")
     console.print(table)
-    files = ", ".join(sorted(path.name for path in kernel.directory.iterdir()))
+    names = sorted(path.name + "/" * path.is_dir() for path in kernel.directory.iterdir())
+    files = ", ".join(names)
     console.print(f"\n{_shown(kernel.directory)}: {files}", soft_wrap=True)
 
 
@@ -167,13 +269,14 @@ def _facts(
     times: dict[str, float],
 ) -> Iterator[tuple[str, str, str]]:
     """Yield what the kernel is, how long it took, and whether it is right."""
-    ops = kernel.ops["tau"]
-    arithmetic = {kind: ops[kind] for kind in ("add", "sub", "mul", "div") if ops[kind]}
-    counts = " + ".join(f"{count} {kind}" for kind, count in arithmetic.items())
     yield "joints", str(robot.dof), f"{_kinds(robot)}, {robot.convention} convention"
     if kernel.parameters:
         yield "parameters", str(len(kernel.parameters)), ", ".join(kernel.parameters)
-    yield "operations", str(sum(arithmetic.values())), f"{counts}; {ops['sincos']} sin-cos pairs"
+    for name, ops in kernel.ops.items():
+        arithmetic = {kind: ops[kind] for kind in ("add", "sub", "mul", "div") if ops[kind]}
+        counts = " + ".join(f"{count} {kind}" for kind, count in arithmetic.items()) or "none"
+        what = "operations" if len(kernel.ops) == 1 else f"operations of {name}"
+        yield what, str(sum(arithmetic.values())), f"{counts}; {ops['sincos']} sin-cos pairs"
     length = f"{route.terms} terms" if route.is_closed_form else "too long to write out"
     yield "time to derive", _duration(times["derive"]), f"M, C, G: {length}"
     yield "time to generate", _duration(times["generate"]), "from model to source text"
@@ -182,7 +285,12 @@ def _facts(
         yield "time to compile", "-", "built before from the same input"
     else:
         yield "time to compile", _duration(times["compile"]), compiler
-    states = f"{len(verification.errors)} states, against the {verification.route}"
+    if len(kernel.ops) > 1:
+        for name, error in verification.max_errors.items():
+            yield f"error of {name}", f"{error:.1e}", ""
+    for name in verification.unchecked:
+        yield f"error of {name}", "-", "not checked: the symbolic route has no such function"
+    states = f"{len(verification.q)} states, against the {verification.route}"
     verdict = "verified" if verification.passed else "[bold red]NOT VERIFIED[/]"
     yield "largest error", f"{verification.max_error:.1e}", f"{verdict}: {states}"
 
@@ -191,6 +299,8 @@ def _comparison(timings: list[Timing], route: SymbolicRoute) -> Iterator[tuple[s
     """Yield the times per call, and per sample of a batch, as multiples of the kernel's."""
     from moro_codegen.benchmark import BATCH
 
+    others = [timing for timing in timings if timing.function != "tau"]
+    timings = [timing for timing in timings if timing.function == "tau"]
     for batch, title in ((False, "one call from Python"), (True, f"per sample of {BATCH}")):
         same = [timing for timing in timings if timing.batch == batch]
         for timing in same:
@@ -199,6 +309,9 @@ def _comparison(timings: list[Timing], route: SymbolicRoute) -> Iterator[tuple[s
             yield timing.what, _duration(timing.seconds), f"{title}{multiple}"
         if same and not batch and not any(timing.what == "SymPy lambdify" for timing in same):
             yield "SymPy lambdify", "-", f"left out: {route.terms:,} terms take it too long"
+    for one, many in zip(others[::2], others[1::2], strict=True):
+        batch_time = f"{_duration(many.seconds)} per sample of {BATCH}"
+        yield one.function, _duration(one.seconds), f"one call from Python; {batch_time}"
 
 
 def _kinds(robot: Robot) -> str:

@@ -1,131 +1,109 @@
-"""A kernel against the symbolic route: the same states through both, and the largest difference.
-
-The symbolic route is ``moro.closed_form``: Jacobian sums, Christoffel symbols, the gradient of the
-potential energy. It shares nothing with the recursive algorithms that kernels are made from.
-"""
+"""A kernel against the symbolic route: the same states through both, and the largest difference."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, TypeAlias
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
-import sympy as sp
+from moro_codegen.functions import FUNCTIONS
 from moro_codegen.kernel import Kernel
+from moro_codegen.symbolic_route import Array, Dynamics, SymbolicRoute
 
 from moro import Robot
-from moro.abc import t
-from moro.closed_form import ClosedForm
-from moro.dual import DualRing
-from moro.trig import TrigRing
 
-Array: TypeAlias = npt.NDArray[np.float64]
+__all__ = ["CHECKS", "TOLERANCE", "SymbolicRoute", "Verification", "parameter_values", "verify"]
 
-#: an error beyond this, relative to the largest torque of its state, is none of rounding
+#: an error beyond this, relative to the largest component of its state, is none of rounding
 TOLERANCE = 1e-10
-#: seconds that closed forms may take; the same formulas are evaluated as numbers otherwise
-TIME_LIMIT = 5.0
+#: components of a state that are all smaller than this part of those of all states have no digits
+FLOOR = 1e-3
+
+#: on the last link, in functions that take one
+WRENCH: Array = np.array([3.0, -5.0, 7.0, 1.1, 1.3, -1.7])
+
+#: pairs of arrays that must be equal, states first
+Pairs = Iterable[tuple[Array, Array]]
 
 
-class SymbolicRoute:
-    """tau of a robot by the symbolic route: derived once, evaluated at any states.
+def _derivatives(x: Dynamics, by_q: Array, by_qd: Array, M: Array) -> Pairs:
+    if x.route.is_closed_form:
+        few = x.few
+        yield from zip((by_q[few], by_qd[few]), x.tau_slopes, strict=True)
+    yield M, x.M
 
-    ``is_closed_form`` tells whether the closed forms were done within ``time_limit`` [s]; if not,
-    the same formulas are evaluated as numbers that carry their derivatives.
-    """
 
-    def __init__(self, robot: Robot, time_limit: float = TIME_LIMIT):
-        self.robot = robot
-        self._velocities = [sp.Symbol(f"qd_{i}") for i in range(1, robot.dof + 1)]
-        try:
-            self._derive(TrigRing(time_limit))
-            self.is_closed_form = True
-        except TimeoutError:
-            self.is_closed_form = False
+def _acceleration_derivatives(x: Dynamics, by_q: Array, by_qd: Array, by_tau: Array) -> Pairs:
+    """M times the derivatives of qdd are minus those of tau: no matrix has to be inverted."""
+    if x.route.is_closed_form:
+        few = x.few
+        for slope, of_tau in zip((by_q, by_qd), x.tau_slopes, strict=True):
+            yield -x.M[few] @ slope[few], of_tau
+    yield x.M @ by_tau, np.broadcast_to(np.eye(x.robot.dof), x.M.shape)
 
-    def _derive(self, ring: TrigRing) -> None:
-        form = ClosedForm(self.robot.arm, ring)
-        self._ring = ring
-        self._M = form.inertia_matrix
-        self._C = form.coriolis_matrix([ring.convert(v) for v in self._velocities])
-        self._G = form.gravity_vector
 
-    @property
-    def name(self) -> str:
-        """What kernels are compared with, in words."""
-        return "closed form" if self.is_closed_form else "formulas evaluated at the states"
-
-    @property
-    def terms(self) -> int:
-        """Number of terms of the closed forms M, C and G."""
-        return sum(len(p) for row in (*self._M, *self._C, self._G) for p in row)
-
-    def tau(self, q: Array, qd: Array, qdd: Array, parameters: Mapping[Any, float]) -> Array:
-        """Return M qdd + C qd + G + friction for states of shape (states, n)."""
-        values = {**dict(zip(self.robot.qs, q.T, strict=True)), **parameters}
-        evaluate = self._by_closed_form if self.is_closed_form else self._by_formulas
-        M, C, G = evaluate(values, qd)
-        rigid = np.einsum("ijs,sj->si", M, qdd) + np.einsum("ijs,sj->si", C, qd) + G.T
-        tau: Array = rigid + _friction(self.robot, qd, parameters)
-        return tau
-
-    def _by_closed_form(self, values: Mapping[Any, Any], qd: Array) -> tuple[Array, Array, Array]:
-        values = {**values, **dict(zip(self._velocities, qd.T, strict=True))}
-
-        def numbers(row: Any) -> Array:
-            return np.array([self._ring.evaluate(p, values) for p in row])
-
-        M, C = (np.array([numbers(row) for row in matrix]) for matrix in (self._M, self._C))
-        return M, C, numbers(self._G)
-
-    def _by_formulas(self, values: Mapping[Any, Any], qd: Array) -> tuple[Array, Array, Array]:
-        ring = DualRing(self.robot.qs, values)
-        form = ClosedForm(self.robot.arm, ring)
-
-        def numbers(row: Any) -> Array:
-            return np.array([x.value for x in row])
-
-        rates = [ring.constant(v) for v in qd.T]
-        matrices = form.inertia_matrix, form.coriolis_matrix(rates)
-        M, C = (np.array([numbers(row) for row in matrix]) for matrix in matrices)
-        return M, C, numbers(form.gravity_vector)
+#: for each function, what its results are compared with
+CHECKS: dict[str, Callable[..., Pairs]] = {
+    "tau": lambda x, tau: [(tau, x.tau)],
+    "tau_with_wrench": lambda x, tau: [(tau, x.tau - WRENCH @ x.J)],
+    "bias": lambda x, bias: [(bias, x.bias)],
+    "gravity_vector": lambda x, G: [(G, x.G)],
+    "inertia_matrix": lambda x, M: [(M, x.M)],
+    "coriolis_matrix": lambda x, C: [(C, x.C)],
+    # the torques of the accelerations found are those given
+    "forward_dynamics": lambda x, qdd: [(np.einsum("sij,sj->si", x.M, qdd) + x.bias, x.tau)],
+    "tau_derivatives": _derivatives,
+    "forward_dynamics_derivatives": _acceleration_derivatives,
+    "forward_kinematics": lambda x, T: [(T, x.T)],
+    "jacobian": lambda x, J: [(J, x.J)],
+    "kinetic_energy": lambda x, K: [(K, x.K)],
+    "potential_energy": lambda x, P: [(P, x.P)],
+}
 
 
 @dataclass(frozen=True)
 class Verification:
-    """What came of comparing a kernel's tau with the symbolic equations.
+    """What came of comparing a kernel with the symbolic equations.
 
-    ``errors`` has one entry a state: the largest difference of a torque, relative to the largest
-    torque of that state.
+    ``errors`` has an array for each function, with one entry for each result and state: the largest
+    difference of a component, relative to the largest component of that result in that state.
     """
 
     kernel: str
-    errors: Array
+    errors: Mapping[str, Array]
     #: the states, each (states, n)
     q: Array
     qd: Array
     qdd: Array
     #: "closed form", or "formulas evaluated at the states" where that would take too long
     route: str
+    #: functions that have no symbolic counterpart here
+    unchecked: tuple[str, ...] = field(default=())
+
+    @property
+    def max_errors(self) -> dict[str, float]:
+        """The largest error of each function; NaN if any is."""
+        return {name: float(np.max(errors)) for name, errors in self.errors.items()}
 
     @property
     def max_error(self) -> float:
-        """The largest error over all states; NaN if any is."""
-        return float(np.max(self.errors))
+        """The largest error of all functions; NaN if any is, or if nothing was checked."""
+        return float(np.max([*self.max_errors.values()])) if self.errors else math.nan
 
     @property
     def passed(self) -> bool:
-        """Whether every error is one of rounding."""
-        return bool(np.all(self.errors <= TOLERANCE))
+        """Whether there are errors, and every one is one of rounding."""
+        return bool(self.max_error <= TOLERANCE)
 
     def __repr__(self) -> str:
         verdict = "verified" if self.passed else "FAILED"
+        unchecked = f", not checked: {', '.join(self.unchecked)}" if self.unchecked else ""
         return (
-            f"<Verification of {self.kernel}: {verdict}, largest error {self.max_error:.1e} "
-            f"over {len(self.errors)} states, against the {self.route}>"
+            f"<Verification of {self.kernel}: {verdict}, largest error {self.max_error:.1e} of "
+            f"{', '.join(self.errors)} over {len(self.q)} states, against the {self.route}"
+            f"{unchecked}>"
         )
 
 
@@ -137,7 +115,11 @@ def verify(
     seed: int = 0,
     route: SymbolicRoute | None = None,
 ) -> Verification:
-    """Compare ``kernel.tau`` with M qdd + C qd + G + friction of the symbolic route.
+    """Compare every function of a kernel with the symbolic route.
+
+    tau with M qdd + C qd + G + friction, and so on. Forward dynamics, and its derivatives, are put
+    into the equations of motion; derivatives of tau are compared with complex-step derivatives of
+    the closed form, where there is one.
 
     The states are random ones inside the joint limits, and the awkward ones: at rest, all zero, at
     multiples of a quarter turn, at the limits, many turns away. Run-time parameters take their
@@ -147,22 +129,46 @@ def verify(
     route = route or SymbolicRoute(robot)
     q, qd, qdd = _states(robot, states, rng)
     parameters = parameter_values(robot, rng)
-    expected = route.tau(q, qd, qdd, parameters)
-    by_name = {str(symbol): value for symbol, value in parameters.items()}
-    found = kernel.tau(q, qd, qdd, parameters=by_name or None)
-    errors = np.max(np.abs(found - expected), axis=1) / _scale(expected)
-    return Verification(kernel.name, errors, q, qd, qdd, route.name)
+    expected = Dynamics(route, q, qd, qdd, parameters)
+    by_name = {str(symbol): value for symbol, value in parameters.items()} or None
+    errors: dict[str, Array] = {}
+    unchecked = []
+    for name, signature in kernel.signatures.items():
+        parts = _parts(name)
+        if not parts:
+            unchecked.append(name)
+            continue
+        inputs = {"q": q, "qd": qd, "qdd": qdd, "wrench": WRENCH}
+        if any(a.name == "tau" for a in signature.given):
+            inputs["tau"] = expected.tau
+        found = getattr(kernel, name)(*[inputs[a.name] for a in signature.given], by_name)
+        results = iter(found if len(signature.outputs) > 1 else (found,))
+        pairs = [
+            pair
+            for part in parts
+            for pair in CHECKS[part](expected, *[next(results) for _ in FUNCTIONS[part].outputs])
+        ]
+        errors[name] = _errors(pairs)
+    return Verification(kernel.name, errors, q, qd, qdd, route.name, tuple(unchecked))
 
 
-def _friction(robot: Robot, qd: Array, parameters: Mapping[Any, float]) -> Array:
-    """Return the friction torques, (states, n)."""
-    rates = [q.diff(t) for q in robot.qs]
-    symbols = [sp.Dummy() for _ in rates]
-    vector = robot.friction_vector().xreplace(dict(zip(rates, symbols, strict=True)))
-    torque = sp.lambdify([*symbols, *parameters], list(vector), "numpy")
-    columns = torque(*qd.T, *parameters.values())
-    friction: Array = np.stack([np.broadcast_to(x, len(qd)) for x in columns], axis=1)
-    return friction.astype(float)
+def _parts(name: str) -> list[str]:
+    """Return the functions that a function computes together; none if they are not all known."""
+    if name in CHECKS:
+        return [name]
+    for part in sorted(CHECKS, key=len, reverse=True):
+        if name.startswith(f"{part}_") and (rest := _parts(name.removeprefix(f"{part}_"))):
+            return [part, *rest]
+    return []
+
+
+def _errors(pairs: Pairs) -> Array:
+    """Return the errors of all states, pair by pair."""
+    errors = []
+    for found, expected in pairs:
+        axes = tuple(range(1, expected.ndim))
+        errors.append(np.max(np.abs(found - expected), axis=axes) / _scale(expected, axes))
+    return np.concatenate(errors)
 
 
 def _states(robot: Robot, states: int, rng: np.random.Generator) -> tuple[Array, Array, Array]:
@@ -194,9 +200,11 @@ def parameter_values(robot: Robot, rng: np.random.Generator) -> dict[Any, float]
     }
 
 
-def _scale(tau: Array) -> Array:
-    """Return the largest torque of each state, at least a millionth of the largest of all."""
-    largest = np.max(np.abs(tau), axis=1)
-    floor = max(1e-6 * float(np.max(largest)), np.finfo(float).tiny)
-    scale: Array = np.maximum(largest, floor)
+def _scale(expected: Array, axes: tuple[int, ...]) -> Array:
+    """Return the largest component of each state, at least ``FLOOR`` times that of all.
+
+    Where everything must be zero, errors are absolute.
+    """
+    largest = np.max(np.abs(expected), axis=axes)
+    scale: Array = np.maximum(largest, FLOOR * float(np.max(largest)) or 1.0)
     return scale

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from moro_codegen import FUNCTIONS, Kernel
 
 ROBOTS = Path(__file__).parents[2] / "moro" / "robots"
 
@@ -77,10 +78,77 @@ def test_run_time_parameters_are_listed(tmp_path):
     assert "parameters               1   m" in done.stdout
 
 
+def test_functions_and_languages(tmp_path):
+    functions = "tau, inertia_matrix,tau+inertia_matrix,tau_derivatives"
+    done = run("two_link", "--functions", functions, "--emit", "python,cython", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    for row in (
+        "two_link: tau(q, qd, qdd), inertia_matrix(q), tau_inertia_matrix(q, qd, qdd)",
+        "operations of tau ",
+        "operations of tau_inertia_matrix ",
+        "error of tau_derivatives ",
+        "verified: 84 states",
+        "ns per sample of 4096",
+        "manifest.json, two_link.c, two_link.h, two_link.py, two_link.so, two_link_cython/",
+    ):
+        assert row in done.stdout
+    kernel = Kernel(tmp_path / "build" / "two_link")
+    tau, M = kernel.tau_inertia_matrix([1, 2], [0, 0], [1, 0])
+    assert tau == pytest.approx(M[:, 0] + kernel.tau([1, 2], [0, 0], [0, 0]), rel=1e-13)
+    assert (tmp_path / "build/two_link/two_link_cython/two_link_kernel/functions.pyx").is_file()
+    again = run("two_link", "-f", "tau", "--no-benchmark", cwd=tmp_path)
+    assert "operations   " in again.stdout
+    assert {path.name for path in (tmp_path / "build/two_link").iterdir()} == {
+        "manifest.json", "two_link.c", "two_link.h", "two_link.so",
+    }  # fmt: skip
+
+
+def test_functions_without_tau(tmp_path):
+    done = run("two_link", "-f", "jacobian", "--backend", "numpy", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "one call from Python; " in done.stdout
+    assert "two_link: jacobian(q)" in done.stdout
+
+
+def test_cython_backend(tmp_path):
+    done = run("two_link", "--backend", "cython", "--no-benchmark", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "verified: 84 states" in done.stdout
+    assert "manifest.json, two_link_cython/" in done.stdout
+
+
+def test_unknown_functions_and_languages(tmp_path):
+    refused(
+        run("two_link", "-f", "tau,inertia_matrx", cwd=tmp_path),
+        "no 'inertia_matrx'; did you mean 'inertia_matrix'? there are tau, ",
+    )
+    refused(run("two_link", "-f", ",", cwd=tmp_path), "none given; there are tau, ")
+    refused(run("two_link", "-f", "tau,tau", cwd=tmp_path), "two functions are called tau")
+    refused(run("two_link", "-f", "tau+tau", cwd=tmp_path), "two or more different functions")
+    refused(run("two_link", "--emit", "c,pyton", cwd=tmp_path), "did you mean 'python'?")
+    refused(run("ur5", "-f", "forward_dynamics", cwd=tmp_path), "no inertia resists joint 6")
+    assert not (tmp_path / "build").exists()
+
+
+def test_a_wrong_function_fails_the_whole(tmp_path, monkeypatch, capsys):
+    """The verdict covers every function, not only tau."""
+    from moro_codegen import cli, verify
+
+    checks = sys.modules[verify.__module__].CHECKS
+    monkeypatch.setitem(checks, "inertia_matrix", lambda x, M: [(M, 2 * x.M)])
+    monkeypatch.chdir(tmp_path)
+    arguments = ["two_link", "-f", "tau,inertia_matrix", "--no-benchmark", "--backend", "numpy"]
+    with pytest.raises(SystemExit) as stopped:
+        cli.main(arguments)
+    assert stopped.value.code == 1
+    assert "NOT VERIFIED" in capsys.readouterr().out
+
+
 def test_help_explains_itself(tmp_path):
     done = run("--help", cwd=tmp_path)
     assert done.returncode == 0
-    for word in ("ROBOT", "puma560", "--output", "--backend", "Exit code", "manifest"):
+    words = "ROBOT", "puma560", "--output", "--backend", "--emit", "Exit code", "manifest"
+    for word in (*words, *FUNCTIONS, "Jacobian of the last frame: velocity of its origin"):
         assert word in done.stdout
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from arms import NAMES, reference_states
-from moro_codegen.verify import TOLERANCE, SymbolicRoute
+from moro_codegen.verify import CHECKS, TOLERANCE, SymbolicRoute
 from robots import random_robot
 
 import moro as mr
@@ -87,6 +87,74 @@ def test_a_kernel_without_friction_or_rotors_is_found_out(quantity, folder):
 def test_nan_does_not_pass():
     error = np.array([0.0, np.nan])
     state = np.zeros((2, 1))
-    verification = mc.Verification("x", error, state, state, state, "closed form")
+    verification = mc.Verification("x", {"tau": error}, state, state, state, "closed form")
+    assert not verification.passed
+    assert np.isnan(verification.max_error)
+
+
+# -- every function ----------------------------------------------------------------------------
+
+RESISTED = [name for name in NAMES if name != "ur5"]  # point masses: nothing resists joint 6
+GEOMETRY = {"forward_kinematics", "jacobian"}
+
+
+@pytest.mark.parametrize("name", RESISTED)
+@pytest.mark.parametrize("time_limit", [60, 0])
+def test_every_function_of_packaged_arms(name, time_limit, folder):
+    robot = mr.load(name)
+    functions = [f for f in mc.FUNCTIONS if f in CHECKS]
+    kernel = mc.compile(robot, functions=functions, directory=folder, backend="numpy")
+    verification = mc.verify(kernel, robot, route=SymbolicRoute(robot, time_limit))
+    assert list(verification.errors) == functions
+    assert verification.max_error < 1e-12
+    assert verification.max_error == max(verification.max_errors.values())
+    assert verification.passed
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_every_function_of_random_arms(seed, folder):
+    rng = random.Random(seed)
+    robot = random_robot(rng, rng.randint(1, 4), rng.choice(["dh", "mdh"]))
+    robot.name = f"random_all_{seed}"
+    robot.viscous_friction = list(range(1, robot.dof + 1))
+    robot.coulomb_friction = [(2, 1)] * robot.dof
+    robot.rotor_inertias = [3] * robot.dof
+    functions = [f for f in mc.FUNCTIONS if f in CHECKS]
+    kernel = mc.compile(robot, functions=functions, directory=folder, backend="numpy")
+    verification = mc.verify(kernel, robot)
+    assert verification.passed, verification.max_errors
+
+
+def test_every_wrong_function_is_found_out(folder):
+    """A kernel of an arm with other masses, lengths and friction fails in all that it touches."""
+    robot = mr.load("puma560")
+    functions = [f for f in mc.FUNCTIONS if f in CHECKS]
+    kernel = mc.compile(robot, functions=functions, directory=folder, backend="numpy")
+    heavier = mr.load("puma560")
+    heavier.masses = [m * sp.Rational(1001, 1000) for m in robot.masses]
+    errors = mc.verify(kernel, heavier).max_errors
+    assert {name for name, error in errors.items() if error > TOLERANCE} == {*functions} - GEOMETRY
+    assert all(errors[name] < 1e-14 for name in GEOMETRY)
+    stiffer = mr.load("puma560")
+    stiffer.viscous_friction = [x + 1 for x in robot.viscous_friction]
+    errors = mc.verify(kernel, stiffer).max_errors
+    wrong = {name for name, error in errors.items() if error > TOLERANCE}
+    assert wrong == {"tau", "tau_with_wrench", "bias", "forward_dynamics", "tau_derivatives",
+                     "forward_dynamics_derivatives"} & {*functions}  # fmt: skip
+    stanford = mc.compile(mr.load("stanford_arm"), functions=GEOMETRY, directory=folder)
+    assert min(mc.verify(stanford, robot).max_errors.values()) > TOLERANCE
+
+
+def test_functions_together_and_of_ones_own(folder):
+    robot = mr.load("two_link")
+    own = mc.Function("height", robot.T[1, 3])
+    together = ("tau_with_wrench", "inertia_matrix", "forward_dynamics")
+    functions = (own, together, ("tau", own))
+    verification = mc.verify(mc.compile(robot, functions=functions, directory=folder), robot)
+    assert verification.passed
+    assert list(verification.errors) == ["tau_with_wrench_inertia_matrix_forward_dynamics"]
+    assert verification.unchecked == ("height", "tau_height")
+    assert "not checked: height, tau_height" in repr(verification)
+    verification = mc.verify(mc.compile(robot, functions=(own,), directory=folder), robot)
     assert not verification.passed
     assert np.isnan(verification.max_error)
