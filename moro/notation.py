@@ -23,7 +23,6 @@ from moro.typeset import (
     OPEN,
     PLUS,
     SPACE,
-    THIN,
     Box,
     Formula,
     dotted,
@@ -66,7 +65,7 @@ class Notation:
     """How the formulas of one robot are written.
 
     ``variables`` are the joint variables, in order; ``symbols`` all other symbols of the model.
-    With ``short``, s_2 stands for sin(q_2), if the model has no such symbol itself. With
+    With ``short``, s_2 stands for sin(q_2), if the model has no such symbol itself; with
     ``decimals``, fractions are printed as decimals where those end. Decimals have up to ``digits``
     digits.
     """
@@ -168,7 +167,7 @@ class Notation:
             return _Part(self._key(base), [scripts(*parts, above)])
         if isinstance(base, sp.Function) and all(isinstance(x, sp.Expr) for x in base.args):
             name = scripts(function(base.func.__name__), None, above)
-            return _Part(self._key(base), [name, *self._argument(base)])
+            return _Part(self._key(base), [name, *self._bracket(*base.args)])
         if base.is_Number:
             return _Part((0, []), _powered(self._number(base), above))
         if base.is_Add or base.is_Mul:
@@ -176,11 +175,6 @@ class Notation:
             late = width(boxes) > _LONG_BRACKET
             return _Part((9 if late else self._rank(base), []), boxes)
         return _Part((9, []), _powered([text(str(base))], above))
-
-    def _argument(self, function: Any) -> Formula:
-        argument = function.args[0]
-        bare = isinstance(function, (sp.sin, sp.cos)) and self._letter_and_index(argument)
-        return [THIN, *self.formula(argument)] if bare else self._bracket(*function.args)
 
     def _bracket(self, *expressions: Any) -> Formula:
         boxes = [OPEN]
@@ -199,9 +193,9 @@ class Notation:
             order, _ = self._derivative(x)
             return (dotted(base, order), index) if order <= 2 else None
         if isinstance(x, (sp.sin, sp.cos)) and self.short:
-            joints = self._summed_joints(x.args[0])
-            if joints:
-                return letter("s" if isinstance(x, sp.sin) else "c"), self._indices(joints)
+            index = self._angle(x.args[0])
+            if index:
+                return letter("s" if isinstance(x, sp.sin) else "c"), index
         if isinstance(x, sp.core.function.AppliedUndef):
             return symbol(_name(x))
         return None
@@ -232,15 +226,13 @@ class Notation:
         """Return (order, joint) of a derivative with respect to time."""
         return sum(int(count) for _, count in x.variable_count), self._joints.get(x.expr, 0)
 
-    def _summed_joints(self, angle: Any) -> list[int]:
-        """Return the joints whose variables' plain sum is the angle, or none."""
+    def _angle(self, angle: Any) -> Formula:
+        """Return an angle as an index: 23 for q_2 + q_3, a symbol as it is; nothing for others."""
         terms = sp.Add.make_args(angle)
-        known = all(term in self._joints for term in terms)
-        return sorted(self._joints[term] for term in terms) if known else []
-
-    def _indices(self, joints: Sequence[int]) -> Formula:
-        comma = "," if len(self._joints) > 9 and len(joints) > 1 else ""
-        return markup(comma.join(map(str, joints)))
+        if all(term in self._joints for term in terms):
+            comma = "," if len(self._joints) > 9 and len(terms) > 1 else ""
+            return markup(comma.join(str(i) for i in sorted(self._joints[x] for x in terms)))
+        return self.formula(angle) if angle.is_Symbol else []
 
     def _is_fraction(self, x: Any) -> bool:
         return bool(x.is_Rational and 1 < x.q <= MAX_DENOMINATOR)

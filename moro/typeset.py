@@ -127,8 +127,6 @@ def _trimmed(boxes: Formula, first: bool) -> Formula:
 # -- boxes ----------------------------------------------------------------------------------------
 
 SPACE = Box(r"\,", '<mspace width="0.17em"/>', 0.17, "space")
-#: after the name of a function; LaTeX knows by itself
-THIN = Box("", '<mspace width="0.17em"/>', 0.17)
 PLUS = Box("+", "<mo>+</mo>", 1.25, "sign")
 MINUS = Box("-", "<mo>−</mo>", 1.25, "sign")
 #: of one number or term

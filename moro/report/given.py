@@ -57,7 +57,7 @@ def _transform(convention: str) -> Any:
     entries = [[c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0, sa, ca, d]]
     if convention == "mdh":
         entries = [[c, -s, 0, a], [s * ca, c * ca, -sa, -d * sa], [s * sa, c * sa, ca, d * ca]]
-    write = Notation().formula
+    write = Notation(short=False).formula
     return matrix([[write(x) for x in row] for row in [*entries, [0, 0, 0, 1]]])
 
 
@@ -107,9 +107,10 @@ def _legend(writer: Writer) -> Iterator[Block]:
     turning = [q for q, kind in zip(robot.qs, robot.joint_types, strict=True) if kind == "r"]
     if turning and writer.notation.short:
         long = Notation(robot.qs, short=False)
-        first, second = sp.sin(turning[0]), sp.cos(sp.Add(*turning[:2]))
-        examples = ([*write(x), *markup("="), *long.formula(x)] for x in (first, second))
-        parts = ["Sines and cosines are abbreviated: ", next(examples), ", ", next(examples), ". "]
+        parts.append("Sines and cosines are abbreviated: ")
+        for x in (sp.sin(turning[0]), sp.cos(sp.Add(*turning[:2]))):
+            parts += [[*write(x), *markup("="), *long.formula(x)], ", "]
+        parts[-1] = ", and so on. "
     parts.append("Dots are derivatives with respect to time. Units are SI, angles in radians.")
     if writer.notation.rounded:
         parts.append(f" Numbers are rounded to {writer.notation.digits} digits.")

@@ -33,7 +33,8 @@ def xml(formula):
         (sp.cos(q1) ** 2, "c_{1}^{2}"),
         (sp.sin(q1 - q2), r"\sin (q_{1}-q_{2})"),
         (sp.cos(q1 + 1), r"\cos (1+q_{1})"),
-        (sp.cos(alpha1) ** 2, r"\cos^{2}\alpha_{1}"),
+        (sp.cos(alpha1) ** 2, r"c_{\alpha_{1}}^{2}"),
+        (sp.cos(2 * alpha1) ** 2, r"\cos^{2}(2 \alpha_{1})"),
         (qd1**2, r"\dot{q}_{1}^{2}"),
         (q1.diff(t, 2), r"\ddot{q}_{1}"),
         (sp.sign(qd1), r"\operatorname{sign}(\dot{q}_{1})"),
@@ -99,7 +100,7 @@ def test_sums_start_with_a_positive_term():
 
 def test_sines_are_written_out_where_the_model_has_such_symbols():
     assert written(sp.sin(q1 + q2), symbols=[sp.Symbol("s_1")]) == r"\sin (q_{1}+q_{2})"
-    assert written(sp.cos(q2), symbols=[sp.Symbol("c2")]) == r"\cos q_{2}"
+    assert written(sp.cos(q2), symbols=[sp.Symbol("c2")]) == r"\cos (q_{2})"
     assert written(sp.cos(q2), symbols=[sp.Symbol("c")]) == "c_{2}"
 
 

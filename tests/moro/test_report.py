@@ -218,7 +218,7 @@ def test_modified_rows_are_those_of_the_link_before():
 
 def test_sines_are_written_out_where_symbols_look_alike():
     tex = twisted().report("tex")
-    assert r"\sin q_{1}" in tex
+    assert r"\sin (q_{1})" in tex
     assert "abbreviated" not in tex
 
 
