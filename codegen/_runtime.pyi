@@ -8,7 +8,13 @@ class Library:
     def __init__(self, path: str) -> None: ...
 
 def gufunc(
-    library: Library, symbol: str, name: str, signature: str, nin: int, nout: int
+    library: Library,
+    symbol: str,
+    name: str,
+    signature: str,
+    nin: int,
+    nout: int,
+    dtype: str,
 ) -> np.ufunc: ...
 
 class Function:
@@ -28,6 +34,7 @@ class Function:
         parameters: tuple[int, Sequence[float] | None] | None,
         general: Callable[..., Any],
         origin: tuple[Callable[..., Any], tuple[Any, ...]],
+        dtype: str,
     ) -> None: ...
     @property
     def call(self) -> Callable[..., Any]: ...

@@ -50,6 +50,7 @@ cdef extern from "numpy/arrayobject.h":
     int PyArray_CheckExact(PyObject *)
     int PyArray_TYPE(PyArrayObject *)
     int PyArray_NDIM(PyArrayObject *)
+    int PyArray_ITEMSIZE(PyArrayObject *)
     int PyArray_ISBEHAVED(PyArrayObject *)
     int PyArray_ISCARRAY(PyArrayObject *)
     int PyArray_ISCARRAY_RO(PyArrayObject *)
@@ -67,10 +68,10 @@ cdef extern from *:
     typedef void (*moro_single)(void);
     typedef void (*moro_loop)(char **, const npy_intp *, const npy_intp *, void *);
 
-    /* Calls a C function whose n arguments are pointers to double. */
-    static void moro_apply(moro_single function, int n, double **p)
+    /* Calls a C function whose n arguments are pointers, to double or to float. */
+    static void moro_apply(moro_single function, int n, void **p)
     {
-    #define T2 double *, double *
+    #define T2 void *, void *
     #define T4 T2, T2
     #define T8 T4, T4
     #define A2(i) p[i], p[i + 1]
@@ -79,15 +80,15 @@ cdef extern from *:
     #define CALL(types, arguments) ((void (*)(types))function)(arguments); break
         switch (n) {
     #define LIST(...) __VA_ARGS__
-        case 1: CALL(double *, p[0]);
+        case 1: CALL(void *, p[0]);
         case 2: CALL(LIST(T2), LIST(A2(0)));
-        case 3: CALL(LIST(T2, double *), LIST(A2(0), p[2]));
+        case 3: CALL(LIST(T2, void *), LIST(A2(0), p[2]));
         case 4: CALL(LIST(T4), LIST(A4(0)));
-        case 5: CALL(LIST(T4, double *), LIST(A4(0), p[4]));
+        case 5: CALL(LIST(T4, void *), LIST(A4(0), p[4]));
         case 6: CALL(LIST(T4, T2), LIST(A4(0), A2(4)));
-        case 7: CALL(LIST(T4, T2, double *), LIST(A4(0), A2(4), p[6]));
+        case 7: CALL(LIST(T4, T2, void *), LIST(A4(0), A2(4), p[6]));
         case 8: CALL(LIST(T8), LIST(A8(0)));
-        case 9: CALL(LIST(T8, double *), LIST(A8(0), p[8]));
+        case 9: CALL(LIST(T8, void *), LIST(A8(0), p[8]));
         case 10: CALL(LIST(T8, T2), LIST(A8(0), A2(8)));
         }
     }
@@ -95,7 +96,7 @@ cdef extern from *:
     ctypedef void (*Single "moro_single")() noexcept nogil
     ctypedef void (*Loop "moro_loop")(
         char **, const np.npy_intp *, const np.npy_intp *, void *) noexcept nogil
-    void moro_apply(Single, int, double **) noexcept nogil
+    void moro_apply(Single, int, void **) noexcept nogil
 
 cdef enum:
     STRAIGHT = 10  # pointers that moro_apply can pass
@@ -158,7 +159,17 @@ cdef void _run(
     feclearexcept(FE_ALL_EXCEPT)
 
 
-def gufunc(Library library not None, str symbol, str name, str signature, int nin, int nout):
+cdef int _type_of(dtype) except -1:
+    """Return NumPy's number of float64 or float32."""
+    cdef int number = numpy.dtype(dtype).num
+    if number not in (np.NPY_DOUBLE, np.NPY_FLOAT):
+        raise TypeError(f"kernels compute with float64 or float32, not {dtype}")
+    return number
+
+
+def gufunc(
+    Library library not None, str symbol, str name, str signature, int nin, int nout, dtype
+):
     """Return a NumPy generalized universal function whose loop is a symbol of the library."""
     if nin + nout > OPERANDS:
         raise ValueError(f"{name} has {nin + nout} arguments, at most {OPERANDS} are possible")
@@ -168,7 +179,7 @@ def gufunc(Library library not None, str symbol, str name, str signature, int ni
     batch.function = <np.PyUFuncGenericFunction>_run
     batch.loop = library.symbol(symbol)
     for i in range(nin + nout):
-        batch.types[i] = np.NPY_DOUBLE
+        batch.types[i] = <char>_type_of(dtype)
     ufunc = np.PyUFunc_FromFuncAndDataAndSignature(
         &batch.function, &batch.loop, batch.types, 1, nin, nout, np.PyUFunc_None, batch.name, b"",
         0, signature.encode(),
@@ -179,7 +190,7 @@ def gufunc(Library library not None, str symbol, str name, str signature, int ni
 
 
 cdef struct Shape:
-    int ndim
+    int ndim, type
     np.npy_intp sizes[DIMENSIONS]
     Py_ssize_t bytes
 
@@ -187,9 +198,9 @@ cdef struct Shape:
 cdef class Function:
     """A function of a kernel's library: ``call(*inputs, parameters=None, out=None)``.
 
-    Aligned, contiguous float64 arrays of just the right shapes go straight to C; other float64
-    arrays that need no check but of their shapes, to ``gufunc``. All other calls go to ``general``,
-    a Python function with the same arguments.
+    Aligned, contiguous arrays of the right type and just the right shapes go straight to C; others
+    that need no check but of type and shapes, to ``gufunc``. All other calls go to ``general``, a
+    Python function with the same arguments.
     """
 
     cdef readonly Library library
@@ -204,12 +215,12 @@ cdef class Function:
     cdef Shape shapes[STRAIGHT]
 
     def __init__(self, Library library not None, str symbol, gufunc, str name, str doc, inputs,
-                 outputs, parameters, general, origin):
+                 outputs, parameters, general, origin, dtype):
         """Prepare the calls of a symbol of the library.
 
         ``inputs`` and ``outputs`` are shapes; ``parameters`` is None, or the number of run-time
         parameters and their defaults (an array, or None if one lacks a default). ``doc`` begins
-        with the signature. ``origin``, a function and its arguments, gives this object anew when
+        with the signature. ``dtype`` is float64 or float32. ``origin``, a function and its arguments, gives this object anew when
         it is unpickled.
         """
         self.library, self.gufunc, self.name = library, gufunc, name
@@ -223,13 +234,14 @@ cdef class Function:
             shapes.insert(self.n_inputs, (count,))
             self.n_inputs += 1
             if defaults is not None:
-                self.defaults = numpy.array(defaults, dtype=float).reshape(count)
+                self.defaults = numpy.array(defaults, dtype=dtype).reshape(count)
         self.n_arguments = len(shapes)
         self.straight = len(shapes) <= STRAIGHT and max(map(len, shapes)) <= DIMENSIONS
         if self.straight:
             for i, shape in enumerate(shapes):
                 self.shapes[i].ndim = len(shape)
-                self.shapes[i].bytes = sizeof(double)
+                self.shapes[i].type = _type_of(dtype)
+                self.shapes[i].bytes = numpy.dtype(dtype).itemsize
                 for axis, size in enumerate(shape):
                     self.shapes[i].sizes[axis] = size
                     self.shapes[i].bytes *= size
@@ -258,10 +270,10 @@ cdef class Function:
 
 
 cdef inline bint _has_shape(PyObject *array, Shape *shape) noexcept:
-    """Tell whether this is an array of doubles of just this shape, in C's memory layout."""
+    """Tell whether this is an array of just this type and shape, in C's memory layout."""
     cdef PyArrayObject *a = <PyArrayObject *>array
     cdef int axis
-    if not PyArray_CheckExact(array) or PyArray_TYPE(a) != np.NPY_DOUBLE:
+    if not PyArray_CheckExact(array) or PyArray_TYPE(a) != shape.type:
         return False
     if not PyArray_ISCARRAY_RO(a) or PyArray_NDIM(a) != shape.ndim:
         return False
@@ -277,7 +289,7 @@ cdef object _call(object self, PyObject **args, Py_ssize_t nargs, PyObject *keyw
     cdef PyObject *parameters = Py_None
     cdef PyObject *out = Py_None
     cdef PyObject *keyword
-    cdef double *data[STRAIGHT]
+    cdef void *data[STRAIGHT]
     cdef Py_ssize_t i
     if keywords is not NULL:
         for i in range(PyTuple_GET_SIZE(keywords)):
@@ -317,7 +329,7 @@ cdef object _many(
 
 
 cdef bint _read(
-    Function function, PyObject **args, Py_ssize_t nargs, PyObject *parameters, double **data
+    Function function, PyObject **args, Py_ssize_t nargs, PyObject *parameters, void **data
 ) noexcept:
     """Put the addresses of the inputs into ``data``, if C can read them."""
     cdef Py_ssize_t i, n = function.n_inputs - function.parametric
@@ -326,21 +338,21 @@ cdef bint _read(
     for i in range(n):
         if not _has_shape(args[i], &function.shapes[i]):
             return False
-        data[i] = <double *>PyArray_DATA(<PyArrayObject *>args[i])
+        data[i] = <void *>PyArray_DATA(<PyArrayObject *>args[i])
     if not function.parametric:
         return parameters == Py_None
     if parameters == Py_None:
         parameters = <PyObject *>function.defaults
     if not _has_shape(parameters, &function.shapes[n]):
         return False
-    data[n] = <double *>PyArray_DATA(<PyArrayObject *>parameters)
+    data[n] = <void *>PyArray_DATA(<PyArrayObject *>parameters)
     return True
 
 
 cdef bint _broadcasts(
     Function function, PyObject **args, Py_ssize_t nargs, PyObject *parameters, PyObject *out
 ) noexcept:
-    """Tell whether the arguments are arrays of doubles that a gufunc takes without complaint.
+    """Tell whether the arguments are arrays that a gufunc takes without complaint.
 
     The axes in front of those of one sample must be the same in all inputs, or missing; a result's
     memory must be apart from theirs.
@@ -377,10 +389,10 @@ cdef bint _broadcasts(
 
 
 cdef inline int _samples_axes(PyObject *array, Shape *shape) noexcept:
-    """Return how many axes of an array of doubles come before those of one sample, else -1."""
+    """Return how many axes of an array of the right type come before those of one sample, or -1."""
     cdef PyArrayObject *a = <PyArrayObject *>array
     cdef int axis, leading
-    if not PyArray_CheckExact(array) or PyArray_TYPE(a) != np.NPY_DOUBLE:
+    if not PyArray_CheckExact(array) or PyArray_TYPE(a) != shape.type:
         return -1
     leading = PyArray_NDIM(a) - shape.ndim
     for axis in range(shape.ndim):
@@ -412,7 +424,7 @@ cdef bint _meet(PyObject *one, PyObject *other) noexcept:
     for k in range(2):
         a = <PyArrayObject *>(other if k else one)
         first[k] = <char *>PyArray_DATA(a)
-        end[k] = first[k] + sizeof(double)
+        end[k] = first[k] + PyArray_ITEMSIZE(a)
         for axis in range(PyArray_NDIM(a)):
             reach = PyArray_STRIDES(a)[axis] * (PyArray_DIMS(a)[axis] - 1)
             if reach > 0:
@@ -432,7 +444,7 @@ cdef bint _is_spread(PyObject *array) noexcept:
     return True
 
 
-cdef bint _write_to(Function function, PyObject *out, double **data) noexcept:
+cdef bint _write_to(Function function, PyObject *out, void **data) noexcept:
     """Put the addresses of the results into ``data``, if C can write there."""
     cdef Py_ssize_t i, n = function.n_arguments - function.n_inputs
     if n == 1:
@@ -446,14 +458,14 @@ cdef bint _write_to(Function function, PyObject *out, double **data) noexcept:
 
 
 cdef inline bint _write_to_one(
-    Function function, Py_ssize_t k, PyObject *out, double **data
+    Function function, Py_ssize_t k, PyObject *out, void **data
 ) noexcept:
     """The same for the k-th argument: no byte of it may belong to an argument before it."""
     cdef Py_ssize_t i
     cdef char *start
     if not _has_shape(out, &function.shapes[k]) or not PyArray_ISCARRAY(<PyArrayObject *>out):
         return False
-    data[k] = <double *>PyArray_DATA(<PyArrayObject *>out)
+    data[k] = <void *>PyArray_DATA(<PyArrayObject *>out)
     start = <char *>data[k]
     for i in range(k):
         if (start < <char *>data[i] + function.shapes[i].bytes
@@ -462,20 +474,20 @@ cdef inline bint _write_to_one(
     return True
 
 
-cdef object _new_results(Function function, double **data):
+cdef object _new_results(Function function, void **data):
     """Call C with new arrays for the results: an array, or a tuple of them."""
     cdef Py_ssize_t i, n = function.n_arguments - function.n_inputs
     cdef Shape *shape = &function.shapes[function.n_inputs]
     cdef list results
     if n == 1:
-        result = PyArray_EMPTY(shape.ndim, shape.sizes, np.NPY_DOUBLE, 0)
-        data[function.n_inputs] = <double *>PyArray_DATA(<PyArrayObject *><PyObject *>result)
+        result = PyArray_EMPTY(shape.ndim, shape.sizes, shape.type, 0)
+        data[function.n_inputs] = <void *>PyArray_DATA(<PyArrayObject *><PyObject *>result)
         moro_apply(function.single, function.n_arguments, data)
         return result if shape.ndim else result[()]
     results = []
     for i in range(n):
-        result = PyArray_EMPTY(shape[i].ndim, shape[i].sizes, np.NPY_DOUBLE, 0)
-        data[function.n_inputs + i] = <double *>PyArray_DATA(<PyArrayObject *><PyObject *>result)
+        result = PyArray_EMPTY(shape[i].ndim, shape[i].sizes, shape.type, 0)
+        data[function.n_inputs + i] = <void *>PyArray_DATA(<PyArrayObject *><PyObject *>result)
         results.append(result)
     moro_apply(function.single, function.n_arguments, data)
     return tuple([result if result.ndim else result[()] for result in results])

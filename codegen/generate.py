@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 from moro_codegen.convert import Converter
 from moro_codegen.factor import factored
@@ -53,6 +53,8 @@ class Program:
     joint_kinds: tuple[JointKind, ...]
     parameters: tuple[Parameter, ...]
     routines: tuple[Routine, ...]
+    #: what the kernel computes with
+    scalar: Literal["double", "float"] = "double"
 
 
 def generate(

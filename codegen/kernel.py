@@ -18,7 +18,7 @@ import tempfile
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from datetime import datetime, timezone
 from importlib import metadata
 from pathlib import Path
@@ -63,6 +63,7 @@ def compile(
     functions: Sequence[Request] = ("tau",),
     directory: str | os.PathLike[str] | None = None,
     backend: Backend = "c",
+    dtype: str = "float64",
 ) -> Kernel:
     """Return the kernel of a robot: its functions, compiled for the processor at hand.
 
@@ -72,14 +73,16 @@ def compile(
     which returns (tau, M) and computes once what they share. Kernels are kept in ``directory``, by
     default in the user's cache folder, and built only once for the same robot, functions, compiler
     and processor. ``backend="numpy"`` needs no compiler; ``backend="cython"`` needs Cython and
-    setuptools besides, and makes a package that can be installed without moro. Raises
-    ToolchainError for what is missing, and ValueError for a function that does not exist or a robot
-    whose name is no C identifier.
+    setuptools besides, and makes a package that can be installed without moro. With
+    ``dtype="float32"`` the functions compute in single precision, twice as many samples at once.
+    Raises ToolchainError for what is missing, and ValueError for a function that does not exist or
+    a robot whose name is no C identifier.
     """
     start = time.perf_counter()
     model = robot.model()
     reserved = {*dir(Kernel), *Kernel.__annotations__}
     program = generate(model, requested(functions, robot, reserved), robot.parameters)
+    program = replace(program, scalar=_scalar(dtype))
     generated = time.perf_counter() - start
     return build(
         program,
@@ -213,7 +216,8 @@ class Kernel:
         library = Library(str(self.library))
         for name, s in self.signatures.items():
             symbol = f"{self.name}_{name}"
-            batch = gufunc(library, f"{symbol}_loop", symbol, s.core, len(s.inputs), len(s.outputs))
+            counts = len(s.inputs), len(s.outputs)
+            batch = gufunc(library, f"{symbol}_loop", symbol, s.core, *counts, s.dtype)
             defaults = [p.default for p in s.parameters if p.default is not None]
             parameters = len(s.parameters), None if len(defaults) < len(s.parameters) else defaults
             function = Function(
@@ -227,6 +231,7 @@ class Kernel:
                 parameters if s.parameters else None,
                 s.checked(_through(batch)),
                 (_function_of, (self.directory, name)),
+                s.dtype,
             )
             yield name, function.call
 
@@ -291,7 +296,7 @@ def in_chunks(function: Callable[..., Any], signature: Signature) -> Run:
                 np.broadcast_to(x, samples + shape(a)).reshape(count, *shape(a))
                 for a, x in zip(signature.inputs, inputs, strict=True)
             ]
-            flat = [np.empty((count, *shape(a))) for a in signature.outputs]
+            flat = [np.empty((count, *shape(a)), signature.dtype) for a in signature.outputs]
             for start in range(0, count, CHUNK):
                 part = slice(start, start + CHUNK)
                 fill([x[part] for x in rows], [y[part] for y in flat])
@@ -302,6 +307,14 @@ def in_chunks(function: Callable[..., Any], signature: Signature) -> Run:
 
 
 # -- on disk -----------------------------------------------------------------------------------
+
+
+def _scalar(dtype: Any) -> Literal["double", "float"]:
+    """Return the type of C for a type of NumPy's."""
+    scalars: dict[str, Literal["double", "float"]] = {"float64": "double", "float32": "float"}
+    with suppress(TypeError, KeyError):
+        return scalars[np.dtype(dtype).name]
+    raise ValueError(f'dtype must be "float64" or "float32", not {dtype!r}')
 
 
 def _compiler_for(program: Program) -> Compiler:
@@ -370,6 +383,7 @@ def describe(
         "name": program.name,
         "dof": program.dof,
         "joint_kinds": list(program.joint_kinds),
+        "scalar": program.scalar,
         "backend": backend,
         "key": hashlib.sha256(shaping.encode()).hexdigest(),
         "input": dict(source or {}),

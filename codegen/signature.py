@@ -22,9 +22,12 @@ from moro_codegen.generate import Parameter, Program, Routine
 from moro_codegen.threads import WORTHWHILE, in_threads
 from numpy.typing import NDArray
 
-Array: TypeAlias = NDArray[np.float64]
+Array: TypeAlias = NDArray[np.floating[Any]]
 #: fills arrays of results: run(inputs, results)
 Run: TypeAlias = Callable[[Sequence[Array], Sequence[Array]], None]
+
+#: NumPy's names of C's types
+DTYPES = {"double": "float64", "float": "float32"}
 
 #: more work than this to find out whether two arrays overlap, and we say they do
 OVERLAP_WORK = 10_000
@@ -44,6 +47,8 @@ class Signature:
     outputs: tuple[Argument, ...]
     parameters: tuple[Parameter, ...]
     ops: Mapping[str, int]
+    #: of all arrays: float64 or float32
+    dtype: str = "float64"
 
     @classmethod
     def of(cls, program: Program, routine: Routine) -> Signature:
@@ -55,6 +60,7 @@ class Signature:
             routine.outputs,
             program.parameters,
             routine.ops,
+            DTYPES[program.scalar],
         )
 
     def as_json(self) -> dict[str, Any]:
@@ -102,7 +108,7 @@ class Signature:
         lines = [
             self.summary,
             "",
-            "Takes arrays of float64, or what NumPy makes them of. Further axes in front are",
+            f"Takes arrays of {self.dtype}, or what NumPy makes them of. Further axes in front are",
             "samples, and are broadcast against each other.",
             "",
             *argument_lines(self.given),
@@ -126,7 +132,7 @@ class Signature:
         return "\n".join(
             [
                 *lines,
-                f"``out``: {out} of float64 for the result; it must not overlap an input.",
+                f"``out``: {out} of {self.dtype} for the result; it must not overlap an input.",
                 "``threads``: so many share a large batch's samples; the results are the same.",
                 "",
                 f"Takes {operations(self)}.",
@@ -149,7 +155,7 @@ class Signature:
             samples = self._samples(inputs)
             shapes = [samples + core for core in cores]
             if out is None:
-                results = [np.empty(shape) for shape in shapes]
+                results = [np.empty(shape, self.dtype) for shape in shapes]
             else:
                 results = self._checked_out(out, shapes, inputs)
             if threads == 1:
@@ -227,7 +233,7 @@ class Signature:
         in_threads(run, wide, results, samples, min(threads, work // WORTHWHILE))
 
     def _array(self, argument: Argument, value: Any) -> Array:
-        """Return an input as an array of float64 with the right last axes."""
+        """Return an input as an array of the right type and with the right last axes."""
         try:
             array = np.asarray(value)
         except ValueError as error:
@@ -243,7 +249,7 @@ class Signature:
                 f"{self.name}: {argument.name} ({argument.description}) must have shape "
                 f"{_shape_text(core)}, found {array.shape}"
             )
-        return np.asarray(array, dtype=np.float64)
+        return np.asarray(array, dtype=self.dtype)
 
     def _parameter_array(self, given: Any) -> Array:
         """Return the run-time parameters as the last axis of one array."""
@@ -310,8 +316,8 @@ class Signature:
     def _check_result(self, out: Any, expected: tuple[int, ...]) -> None:
         if not isinstance(out, np.ndarray):
             raise TypeError(f"{self.name}: out must be a NumPy array, found {_short(out)}")
-        if out.dtype != np.float64:
-            raise TypeError(f"{self.name}: out must hold float64, found {out.dtype}")
+        if out.dtype != self.dtype:
+            raise TypeError(f"{self.name}: out must hold {self.dtype}, found {out.dtype}")
         if out.shape != expected:
             raise ValueError(f"{self.name}: out must have shape {expected}, found {out.shape}")
         if not out.flags.writeable:

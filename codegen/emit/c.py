@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from moro_codegen.emit.describe import (
     all_inputs,
@@ -35,8 +35,7 @@ if TYPE_CHECKING:
 LINE = 100
 
 #: what C, <math.h> and our own templates call something else
-RESERVED = frozenset(
-    """
+_WORDS = """
     auto break case char const continue default do double else enum extern float for goto if inline
     int long register restrict return short signed sizeof static struct switch typedef union
     unsigned void volatile while asm typeof
@@ -45,32 +44,63 @@ RESERVED = frozenset(
     modf nan pow remainder rint round scalbn signgam sin sinh sqrt tan tanh tgamma trunc y0 y1 yn
     gamma drem scalb significand
     S1 S2 S3 S4 S5 S6 C1 C2 C3 C4 C5 C6 LANES REDUCIBLE SHUFFLE HELPER RARE PART TWO_OVER_PI ROUNDER
-    SIGN_BIT ONE_BITS EACH_LANE HALF_PI_1 HALF_PI_2 HALF_PI_3 FROM PAIR
+    SIGN_BIT ONE_BITS EACH_LANE EVEN ODD JOIN4 JOIN8 JOIN16 HALF_PI_1 HALF_PI_2 HALF_PI_3 HALF_PI_4
+    FROM PAIR
     lanes load store load_any store_any sign sign_lanes sines sines_lanes sines_pack sines_of_large
-    pack2 pack4 pack8 bits2 bits4 bits8 memory2 memory4 memory8 lane_memory l parameters count
+    pack2 pack4 pack8 pack16 bits2 bits4 bits8 bits16 memory2 memory4 memory8 memory16 lane_memory
+    l parameters count
     """.split()  # noqa: SIM905
-)
+RESERVED = frozenset([*_WORDS, *(f"{word}f" for word in _WORDS)])  # sinf is the sine of a float
 
-#: for sines and cosines: pi/2 in parts of 37, 37 and 53 bits, a number whose sum with another
-#: rounds that to an integer and holds it in its lowest bits, fdlibm's minimax polynomials
-CONSTANTS = {
-    "TWO_OVER_PI": 2 / math.pi,
-    "ROUNDER": 1.5 * 2.0**52,
-    "HALF_PI_1": 1.5707963267923333,
-    "HALF_PI_2": 2.5633441515839558e-12,
-    "HALF_PI_3": 1.0562999066987428e-23,
-    "S1": -1.66666666666666324348e-01,
-    "S2": 8.33333333332248946124e-03,
-    "S3": -1.98412698298579493134e-04,
-    "S4": 2.75573137070700676789e-06,
-    "S5": -2.50507602534068634195e-08,
-    "S6": 1.58969099521155010221e-10,
-    "C1": 4.16666666666666019037e-02,
-    "C2": -1.38888888888741095749e-03,
-    "C3": 2.48015872894767294178e-05,
-    "C4": -2.75573143513906633035e-07,
-    "C5": 2.08757232129817482790e-09,
-    "C6": -1.13596475577881948265e-11,
+#: what the templates say of a scalar type: for sines and cosines, pi/2 in parts, a number whose sum
+#: with another rounds that to an integer and holds it in its lowest bits, minimax polynomials (for
+#: double those of fdlibm)
+SCALARS: dict[str, dict[str, Any]] = {
+    "double": {
+        "bits": 64,
+        "widths": (8, 4, 2),
+        "reducible": "1e5",
+        "parts": "37, 37 and 53",
+        "constants": {
+            "TWO_OVER_PI": 2 / math.pi,
+            "ROUNDER": 1.5 * 2.0**52,
+            "HALF_PI_1": 1.5707963267923333,
+            "HALF_PI_2": 2.5633441515839558e-12,
+            "HALF_PI_3": 1.0562999066987428e-23,
+            "S1": -1.66666666666666324348e-01,
+            "S2": 8.33333333332248946124e-03,
+            "S3": -1.98412698298579493134e-04,
+            "S4": 2.75573137070700676789e-06,
+            "S5": -2.50507602534068634195e-08,
+            "S6": 1.58969099521155010221e-10,
+            "C1": 4.16666666666666019037e-02,
+            "C2": -1.38888888888741095749e-03,
+            "C3": 2.48015872894767294178e-05,
+            "C4": -2.75573143513906633035e-07,
+            "C5": 2.08757232129817482790e-09,
+            "C6": -1.13596475577881948265e-11,
+        },
+    },
+    "float": {
+        "bits": 32,
+        "widths": (16, 8, 4),
+        "reducible": "1e3f",
+        "parts": "11, 11, 11 and 24",
+        "constants": {
+            "TWO_OVER_PI": 2 / math.pi,
+            "ROUNDER": 1.5 * 2.0**23,
+            "HALF_PI_1": 1.5703125,
+            "HALF_PI_2": 0.0004837512969970703,
+            "HALF_PI_3": 7.549533620476723e-08,
+            "HALF_PI_4": 2.5633440682570896e-12,
+            "S1": -0.16666655,
+            "S2": 0.008332155,
+            "S3": -0.00019514446,
+            "C1": 0.041666646,
+            "C2": -0.0013887308,
+            "C3": 2.44322e-05,
+        },
+    },
 }
 
 
@@ -78,13 +108,18 @@ def emit(program: Program) -> dict[str, str]:
     """Return the texts of ``<name>.c`` and ``<name>.h``, by file name."""
     header = f"{program.name}.h"
     routines = [_Emission(program, routine).holes() for routine in program.routines]
+    scalar = SCALARS[program.scalar]
+    f = suffix(program)
+    constants = [(name, literal(value, f)) for name, value in scalar["constants"].items()]
     common = {"version": version(), "header": header, "routines": routines}
     return {
         f"{program.name}.c": render(
             "kernel.c.jinja",
             title=f"{program.name}: dynamics of a robot arm with {program.dof} joints",
-            sizes=(2, 4, 8),
-            constants=[(name, literal(value)) for name, value in CONSTANTS.items()],
+            real=program.scalar,
+            f=f,
+            sizes=sorted({2, 4, *scalar["widths"]}),
+            **{**scalar, "constants": constants},
             **common,
         ),
         header: render(
@@ -152,6 +187,11 @@ class _Emission:
         return f"{self.name}_lanes"
 
     @property
+    def real(self) -> str:
+        """The scalar type: double or float."""
+        return self.program.scalar
+
+    @property
     def inputs(self) -> tuple[Argument, ...]:
         return all_inputs(self.program, self.routine)
 
@@ -159,14 +199,17 @@ class _Emission:
 
     def single(self) -> str:
         """``void puma560_tau(const double q[6], ..., double tau[6])``."""
-        parameters = [f"const double {declarator(a)}" for a in self.inputs]
-        parameters += [f"double {declarator(a)}" for a in self.routine.outputs]
+        parameters = [f"const {self.real} {declarator(a)}" for a in self.inputs]
+        parameters += [f"{self.real} {declarator(a)}" for a in self.routine.outputs]
         return prototype(self.name, parameters)
 
     def batch(self) -> str:
         """``void puma560_tau_batch(size_t count, const double *q, ptrdiff_t q_stride, ...)``."""
         parameters = ["size_t count"]
-        for arguments, type_ in ((self.inputs, "const double"), (self.routine.outputs, "double")):
+        for arguments, type_ in (
+            (self.inputs, f"const {self.real}"),
+            (self.routine.outputs, self.real),
+        ):
             for a in arguments:
                 strides = [f"ptrdiff_t {stride}" for stride in stride_names(a)]
                 parameters.append(", ".join([f"{type_} *{a.name}", *strides]))
@@ -204,7 +247,7 @@ class _Emission:
         names = [name for a in (*self.inputs, *self.routine.outputs) for name in stride_names(a)]
         steps = [name for name in names if not name.endswith("_stride")]
         return wrapped(
-            "Strides count doubles and may be zero or negative: *_stride leads from sample to "
+            "Strides count components and may be zero or negative: *_stride leads from sample to "
             f"sample, {', '.join(steps)} from component to component. An array of count rows, "
             "each the components of one sample, has the row's length as stride and 1 as step; an "
             "input with stride 0 is the same for all samples. Results must not overlap inputs."
@@ -217,7 +260,7 @@ class _Emission:
         """The statements, with names that neither C nor our own variables have."""
         arguments = (*self.inputs, *self.routine.outputs)
         own = (*self.local.values(), "x", "y", *(a.name for a in arguments))
-        return body(self.program, self.routine, {*RESERVED, *own})
+        return body(self.program, self.routine, {*RESERVED, *own}, suffix(self.program))
 
     @cached_property
     def parts(self) -> Parts:
@@ -226,8 +269,8 @@ class _Emission:
 
     def scalar_parts(self) -> list[tuple[str, list[str]]]:
         """Return the parts over double but the last: prototype and lines."""
-        arguments = [f"const double {declarator(a)}" for a in self.inputs]
-        arguments.append(f"double *{self.local['w']}")
+        arguments = [f"const {self.real} {declarator(a)}" for a in self.inputs]
+        arguments.append(f"{self.real} *{self.local['w']}")
         return [
             (prototype(f"{self.name}_{k}", arguments, "PART"), self.scalar_lines(steps))
             for k, steps in enumerate(self.parts.steps[:-1], start=1)
@@ -235,7 +278,7 @@ class _Emission:
 
     def scalar_body(self) -> list[str]:
         """Return the calls of the parts, and the last part."""
-        lines = self.calls(self.name, "double", [a.name for a in self.inputs])
+        lines = self.calls(self.name, self.real, [a.name for a in self.inputs])
         lines += self.scalar_lines(self.parts.steps[-1], called=bool(lines))
         targets = [
             f"{a.name}[{k}]" if a.shape else f"*{a.name}"
@@ -250,7 +293,7 @@ class _Emission:
         unused = () if called else (a.name for a in self.inputs if a.name not in read)
         lines = [f"(void){name};" for name in unused]
         for step in steps:
-            lines += scalar_lines(step, self.inputs, self.local["w"])
+            lines += scalar_lines(step, self.inputs, self.local["w"], self.real)
         return lines
 
     def lanes_parts(self) -> list[tuple[str, list[str]]]:
@@ -267,7 +310,7 @@ class _Emission:
         lines += self.lanes_lines(self.parts.steps[-1], called=bool(lines))
         constant = [node.op == "const" for node in self.routine.results]
         return lines + [
-            f"y[{k}] = {f'(lanes){{0.0}} + {x}' if constant[k] else x};"
+            f"y[{k}] = {f'(lanes){{0}} + {x}' if constant[k] else x};"
             for k, x in enumerate(self.text.results)
         ]
 
@@ -276,7 +319,7 @@ class _Emission:
         first = dict(zip((a.name for a in self.inputs), offsets(self.inputs), strict=True))
         lines = [] if called or any(isinstance(s, Load) for s in steps) else ["(void)x;"]
         for step in steps:
-            lines += lanes_lines(step, first, self.local["w"])
+            lines += lanes_lines(step, first, self.local["w"], suffix(self.program))
         return lines
 
     def calls(self, name: str, type_: str, inputs: Sequence[str]) -> list[str]:
@@ -330,11 +373,11 @@ class _Emission:
         axis = itertools.count(len(arguments))
         calls = ["(size_t)dimensions[0]"]
         for k, a in enumerate(arguments):
-            type_ = "const double" if k < len(self.inputs) else "double"
+            type_ = f"const {self.real}" if k < len(self.inputs) else self.real
             strides = [f"strides[{i}] / size" for i in (k, *itertools.islice(axis, len(a.shape)))]
             calls.append(", ".join([f"({type_} *)(void *)args[{k}]", *strides]))
         return [
-            "const ptrdiff_t size = (ptrdiff_t)sizeof(double);",
+            f"const ptrdiff_t size = (ptrdiff_t)sizeof({self.real});",
             "(void)data;",
             f"{self.name}_batch(",
             *(f"    {call}," for call in calls[:-1]),
@@ -342,33 +385,34 @@ class _Emission:
         ]
 
 
-def scalar_lines(step: Step, inputs: Iterable[Argument], shared: str) -> list[str]:
-    """Return a step over double; ``shared`` is the array of the parts."""
+def scalar_lines(step: Step, inputs: Iterable[Argument], shared: str, real: str) -> list[str]:
+    """Return a step over double or float; ``shared`` is the array of the parts."""
     match step:
         case Take(name, place):
-            return [f"const double {name} = {shared}[{place}];"]
+            return [f"const {real} {name} = {shared}[{place}];"]
         case Keep(name, place):
             return [f"{shared}[{place}] = {name};"]
         case Load(name, argument, index):
             scalar = any(a.name == argument and not a.shape for a in inputs)
             return [
-                f"const double {name} = {f'*{argument}' if scalar else f'{argument}[{index}]'};"
+                f"const {real} {name} = {f'*{argument}' if scalar else f'{argument}[{index}]'};"
             ]
         case Assign(name, expression):
-            return [f"const double {name} = {expression};"]
+            return [f"const {real} {name} = {expression};"]
         case Call(name, function, arguments):
-            return [f"const double {name} = {function}({', '.join(arguments)});"]
+            called = c_name(function, "f" if real == "float" else "")
+            return [f"const {real} {name} = {called}({', '.join(arguments)});"]
         case Sines(angles, pairs, (angle, sine, cosine)):
             n, room = len(angles), len(angles) + len(angles) % 2 + 2 * (len(angles) % 4 == 3)
             return [
-                f"const double {angle}[{n}] = {{{', '.join(angles)}}};",
-                f"double {sine}[{room}], {cosine}[{room}];",
+                f"const {real} {angle}[{n}] = {{{', '.join(angles)}}};",
+                f"{real} {sine}[{room}], {cosine}[{room}];",
                 f"sines({n}, {angle}, {sine}, {cosine});",
-                *named_pairs("double", pairs, sine, cosine),
+                *named_pairs(real, pairs, sine, cosine),
             ]
 
 
-def lanes_lines(step: Step, first: Mapping[str, int], shared: str) -> list[str]:
+def lanes_lines(step: Step, first: Mapping[str, int], shared: str, f: str) -> list[str]:
     """Return a step over vectors; ``first`` says where in x an argument begins."""
     match step:
         case Take(name, place):
@@ -385,9 +429,9 @@ def lanes_lines(step: Step, first: Mapping[str, int], shared: str) -> list[str]:
             # a constant argument has no lanes
             values = (a if a[0].isdigit() or a[0] == "-" else f"{a}[l]" for a in arguments)
             return [
-                f"lanes {name} = {{0.0}};",
+                f"lanes {name} = {{0}};",
                 "for (int l = 0; l < LANES; l++)",
-                f"    {name}[l] = {function}({', '.join(values)});",
+                f"    {name}[l] = {c_name(function, f)}({', '.join(values)});",
             ]
         case Sines(angles, pairs, (angle, sine, cosine)):
             n = len(angles)
@@ -397,6 +441,16 @@ def lanes_lines(step: Step, first: Mapping[str, int], shared: str) -> list[str]:
                 f"sines_lanes({n}, {angle}, {sine}, {cosine});",
                 *named_pairs("lanes", pairs, sine, cosine),
             ]
+
+
+def c_name(function: str, f: str) -> str:
+    """Return what a function is called for the scalar type."""
+    return function if function == "sign" else function + f
+
+
+def suffix(program: Program) -> str:
+    """Return what C adds to the numbers and functions of the scalar type."""
+    return "f" if program.scalar == "float" else ""
 
 
 def named_pairs(

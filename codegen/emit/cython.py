@@ -46,7 +46,9 @@ def package(name: str) -> str:
 
 
 def emit(program: Program) -> dict[str, str]:
-    """Return the texts of all files, by path in the folder."""
+    """Return the texts of all files, by path in the folder. Raise ValueError for float32."""
+    if program.scalar != "double":
+        raise ValueError("the Cython backend computes in double precision only")
     inside = package(program.name)
     holes = {
         "name": program.name,

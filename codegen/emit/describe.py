@@ -71,6 +71,8 @@ def conventions(program: Program) -> list[str]:
         "row-major.",
         *joints,
     ]
+    if program.scalar == "float":
+        lines.append("Computed in single precision.")
     if program.parameters:
         lines += ["", "Run-time parameters, in this order:"]
         lines += [f"  {line}" for line in parameter_lines(program)]

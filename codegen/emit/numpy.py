@@ -60,15 +60,16 @@ def _lines(program: Program, routine: Routine) -> Iterator[str]:
     """Return the lines of a routine's function."""
     inputs, outputs = all_inputs(program, routine), routine.outputs
     text = body(program, routine, {*RESERVED, *(a.name for a in (*inputs, *outputs))})
+    dtype = "np.float32" if program.scalar == "float" else "float"
     for a in inputs:
-        yield f"{a.name} = np.asarray({a.name}, dtype=float)"
+        yield f"{a.name} = np.asarray({a.name}, dtype={dtype})"
     leading = ", ".join(f"{a.name}.shape[: {a.name}.ndim - {len(a.shape)}]" for a in inputs)
     yield f"samples = np.broadcast_shapes({leading})"
     shapes = {a.name: shape(a) for a in inputs}
     lines = [line for statement in text.statements for line in _statement(statement, shapes)]
     results = iter(text.results)
     for a in outputs:
-        lines.append(f"{a.name} = np.empty(samples + {shape(a)})")
+        lines.append(f"{a.name} = np.empty(samples + {shape(a)}, dtype={dtype})")
         lines += [f"{a.name}[{_index(shape(a), k)}] = {next(results)}" for k in range(size(a))]
     yield from _forgetting(lines, {name for s in text.statements for name in _computed(s)})
     yield f"return {', '.join(a.name for a in outputs)}"

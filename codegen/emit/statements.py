@@ -14,6 +14,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
 from moro_codegen.emit.describe import shape, size
 
 if TYPE_CHECKING:
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
 
 #: an expression longer than this gets a name of its own
 WIDTH = 76
+
+#: rounded to float, it and what is larger would be infinite
+FLOAT_OVERFLOW = 2.0**128 - 2.0**103
 
 _SYMBOLS = {"add": ("+", 1), "sub": ("-", 1), "mul": ("*", 2), "div": ("/", 2)}
 _NEGATION, _ATOM = 3, 4
@@ -106,15 +110,23 @@ class Names:
         return name
 
 
-def body(program: Program, routine: Routine, reserved: Iterable[str]) -> Body:
-    """Return the routine's statements; ``reserved`` are names that the language keeps to itself."""
-    return _Writer(program, routine, reserved).body()
+def body(program: Program, routine: Routine, reserved: Iterable[str], suffix: str = "") -> Body:
+    """Return the routine's statements.
+
+    ``reserved`` are names that the language keeps to itself, ``suffix`` follows its constants.
+    """
+    return _Writer(program, routine, reserved, suffix).body()
 
 
-def literal(value: object) -> str:
-    """Return the shortest decimal that reads back as the double nearest to an exact value."""
+def literal(value: object, suffix: str = "") -> str:
+    """Return the shortest decimal that reads back as the double nearest to an exact value.
+
+    With the suffix "f" of C's float, as the float nearest to it.
+    """
     number = float(value)  # type: ignore[arg-type]
-    if not math.isfinite(number):
+    if suffix == "f" and abs(number) < FLOAT_OVERFLOW:
+        return f"{np.float32(number)!s}f"
+    if suffix == "f" or not math.isfinite(number):
         raise ValueError(f"a constant of the kernel is not finite: {value}")
     return repr(number)
 
@@ -136,6 +148,7 @@ class _Writer:
     program: Program
     routine: Routine
     reserved: Iterable[str]
+    suffix: str = ""
     statements: list[Statement] = field(default_factory=list)
     texts: dict[Node, Text] = field(default_factory=dict)
     pairs: dict[Node, tuple[str, str]] = field(default_factory=dict)
@@ -277,7 +290,7 @@ class _Writer:
 
     def _text(self, node: Node) -> Text:
         if node.op == "const":
-            text = literal(node.value)
+            text = literal(node.value, self.suffix)
             return Text(text, _NEGATION if text.startswith("-") else _ATOM)
         return self.texts[node]
 

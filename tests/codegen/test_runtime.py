@@ -572,9 +572,11 @@ def test_what_cannot_be_loaded(tmp_path, compiled):
         Library(str(text))
     library = Library(str(compiled.library))
     with pytest.raises(OSError, match="does not export nothing"):
-        gufunc(library, "nothing", "nothing", "(6)->(6)", 1, 1)
+        gufunc(library, "nothing", "nothing", "(6)->(6)", 1, 1, "float64")
     with pytest.raises(OSError, match="does not export nothing"):
-        Function(library, "nothing", None, "nothing", "", [(6,)], [(6,)], None, print, (print, ()))
+        Function(
+            library, "nothing", None, "nothing", "", [(6,)], [(6,)], None, print, (print, ()), "f8"
+        )
 
 
 def test_too_many_arguments_for_a_straight_call(tmp_path):
