@@ -34,8 +34,8 @@ class Collected:
     >>> M = robot.inertia_matrix(collect=True)
     >>> M.matrix[0, 1]
     k_2*cos(q_2(t)) + k_3
-    >>> M.constants[sp.Symbol("k_2")]
-    l_1*l_2*m_2
+    >>> dict(M.constants)
+    {k_1: l_1**2*m_1 + m_2*(l_1**2 + l_2**2), k_2: l_1*l_2*m_2, k_3: l_2**2*m_2}
     """
 
     #: of the quantity, as texts call it: "M"
