@@ -11,7 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent / "_extensions"))
 project = "moro"
 release = metadata.version("moro")
 
-extensions = ["mathml", "myst_parser", "sphinx.ext.autodoc"]
+extensions = ["mathml", "reports", "myst_parser", "sphinx.ext.autodoc"]
 exclude_patterns = ["_build"]
 
 myst_enable_extensions = ["amsmath", "deflist", "dollarmath"]

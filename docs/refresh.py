@@ -1,6 +1,7 @@
-"""Put the real output of every sample into the pages: python docs/refresh.py [PAGE.md ...].
+"""Put the real output of every sample into the pages: python -m docs.refresh [PAGE.md ...].
 
-tests/test_docs.py checks that they agree. Look at what changed before you commit it.
+And the formulas and tables of blocks.py. tests/test_docs.py checks that pages and output agree.
+Look at what changed before you commit it.
 """
 
 from __future__ import annotations
@@ -18,25 +19,30 @@ from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
+from docs.blocks import BLOCK, NAMES
+
 #: characters of a line of output that fit on a page
 WIDTH = 90
 
-_BLOCK = re.compile(r"^```(python|yaml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+_SAMPLE = re.compile(r"^```(python|yaml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+_PART = re.compile(f"{_SAMPLE.pattern}|{BLOCK.pattern}", re.MULTILINE | re.DOTALL)
 
 
 def refreshed(text: str) -> str:
     """Return a page with the output of its samples as it is now."""
     names: dict[str, Any] = {"__name__": "__main__"}
 
-    def block(match: re.Match[str]) -> str:
-        language, code = match.groups()
+    def part(match: re.Match[str]) -> str:
+        language, code, begin, expression, _, end = match.groups()
+        if expression:
+            return f"{begin}{eval(expression, {**names, **NAMES})}{end}"  # noqa: S307 - our own pages
         if language == "yaml":
             name = re.match(r"# (\S+\.yaml)\n", code)
             Path(name[1] if name else "robot.yaml").write_text(code, encoding="utf-8")
             return match[0]
         return f"```python\n{''.join(_samples(code, names))}```"
 
-    return _BLOCK.sub(block, text)
+    return _PART.sub(part, text)
 
 
 def _samples(code: str, names: dict[str, Any]) -> Iterator[str]:

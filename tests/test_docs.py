@@ -6,13 +6,15 @@ import doctest
 import importlib
 import pkgutil
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from sybil import Example, Sybil
+from sybil import Document, Example, Region, Sybil
 from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser
 
 import moro
+from docs import blocks
 from moro import Robot, load
 
 ROOT = Path(__file__).parent.parent
@@ -33,8 +35,25 @@ def write_robot_file(example: Example) -> None:
         load(path)
 
 
+def find_blocks(document: Document) -> Iterator[Region]:
+    """Yield the formulas and tables that docs/refresh.py writes; not what takes time to measure."""
+    for match in blocks.BLOCK.finditer(document.text):
+        _, expression, shown, _ = match.groups()
+        if not expression.startswith(blocks.TIMED):
+            yield Region(match.start(), match.end(), (expression, shown), compare_block)
+
+
+def compare_block(example: Example) -> None:
+    expression, shown = example.parsed
+    assert eval(expression, {**example.namespace, **blocks.NAMES}) == shown  # noqa: S307
+
+
 SAMPLES = Sybil(
-    [PythonCodeBlockParser(doctest_optionflags=FLAGS), CodeBlockParser("yaml", write_robot_file)]
+    [
+        PythonCodeBlockParser(doctest_optionflags=FLAGS),
+        CodeBlockParser("yaml", write_robot_file),
+        find_blocks,
+    ]
 )
 
 
