@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Collection, Sequence
 from typing import TypeAlias
 
@@ -15,8 +16,8 @@ from moro.robot import Robot
 #: a name of FUNCTIONS, a function of one's own, or a tuple of these to be computed together
 Request: TypeAlias = str | UserFunction | tuple[str | UserFunction, ...]
 
-#: the C functions made of a function f are called f, f_batch and so on
-SUFFIXES = ("_batch", "_loop", "_lanes")
+#: the C functions made of a function f are called f, f_batch, f_1 and so on
+DERIVED = re.compile(r"(.+?)(_batch|_loop|_lanes|_\d+|_lanes_\d+)")
 
 
 def requested(
@@ -33,13 +34,13 @@ def requested(
     own = [item for item in _flat(functions) if isinstance(item, UserFunction)]
     names = [function.name for function in found]
     for name in (function.name for function in own):
-        stem = next((name.removesuffix(s) for s in SUFFIXES if name.endswith(s)), None)
+        derived = DERIVED.fullmatch(name)
         if name in FUNCTIONS:
             raise ValueError(f"a function cannot be named {name!r}: that is one of moro's own")
         if name in reserved:
             raise ValueError(f"a function cannot be named {name!r}: every kernel has a {name}")
-        if stem in names:
-            raise ValueError(f"a function cannot be named {name!r}: that belongs to {stem}")
+        if derived and derived[1] in names:
+            raise ValueError(f"a function cannot be named {name!r}: that belongs to {derived[1]}")
     for name in names:
         if names.count(name) > 1:
             raise ValueError(f"two functions are called {name}")

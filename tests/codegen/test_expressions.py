@@ -158,7 +158,9 @@ def test_names_that_cannot_be(name):
         mc.Function(name, q1)
 
 
-@pytest.mark.parametrize("name", ["tau", "inertia_matrix", "ops", "library", "name", "tau_batch"])
+@pytest.mark.parametrize(
+    "name", ["tau", "inertia_matrix", "ops", "library", "name", "tau_batch", "tau_2"]
+)
 def test_names_that_are_taken(arm, name, tmp_path):
     with pytest.raises(ValueError, match=f"cannot be named '{name}'"):
         mc.compile(arm, functions=("tau", mc.Function(name, q1)), directory=tmp_path)
