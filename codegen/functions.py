@@ -104,6 +104,8 @@ class Function:
     outputs: tuple[Argument, ...]
     summary: str
     build: Callable[..., Sequence[Sequence[Node]]]
+    #: how it is computed
+    algorithm: str = ""
 
 
 def _tau(system: System, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]) -> Outputs:
@@ -274,6 +276,7 @@ FUNCTIONS = {
             (TAU,),
             "Inverse dynamics: M(q) qdd + C(q, qd) qd + G(q), with rotor inertia and friction.",
             _tau,
+            "recursive Newton-Euler",
         ),
         Function(
             "tau_with_wrench",
@@ -282,6 +285,7 @@ FUNCTIONS = {
             "Inverse dynamics against a wrench w that the environment exerts on the last link: "
             "M(q) qdd + C(q, qd) qd + G(q) - J(q)^T w, with rotor inertia and friction.",
             _tau_with_wrench,
+            "recursive Newton-Euler, with the wrench on a further link at frame n",
         ),
         Function(
             "bias",
@@ -289,9 +293,15 @@ FUNCTIONS = {
             (Argument("bias", ("n",), "N m or N", "torques (forces) for zero acceleration"),),
             "What tau is without joint accelerations: C(q, qd) qd + G(q), with friction.",
             _bias,
+            "recursive Newton-Euler for qdd = 0",
         ),
         Function(
-            "gravity_vector", (Q,), (G,), "Gravity vector G(q), the gradient of P.", _gravity_vector
+            "gravity_vector",
+            (Q,),
+            (G,),
+            "Gravity vector G(q), the gradient of P.",
+            _gravity_vector,
+            "recursive Newton-Euler at rest",
         ),
         Function(
             "inertia_matrix",
@@ -299,6 +309,7 @@ FUNCTIONS = {
             (M,),
             "Inertia matrix M(q), rotor inertias on its diagonal.",
             _inertia_matrix,
+            "composite rigid bodies",
         ),
         Function(
             "coriolis_matrix",
@@ -306,6 +317,7 @@ FUNCTIONS = {
             (C,),
             "Coriolis matrix C(q, qd) of the Christoffel symbols: dM/dt - 2 C is skew-symmetric.",
             _coriolis_matrix,
+            "recursion over composite bodies, of the Christoffel symbols",
         ),
         Function(
             "forward_dynamics",
@@ -313,6 +325,7 @@ FUNCTIONS = {
             (QDD,),
             "Forward dynamics: the accelerations that joint torques cause, the inverse of tau.",
             _forward_dynamics,
+            "articulated bodies, or M = L D L^T, whichever costs fewer operations",
         ),
         Function(
             "tau_derivatives",
@@ -321,6 +334,7 @@ FUNCTIONS = {
             "Derivatives of tau with respect to q, qd and qdd (that is M); Coulomb friction, which "
             "jumps, has none.",
             _tau_derivatives,
+            "the graph of tau differentiated; M by composite rigid bodies",
         ),
         Function(
             "forward_dynamics_derivatives",
@@ -328,6 +342,7 @@ FUNCTIONS = {
             (QDD_BY_Q, QDD_BY_QD, QDD_BY_TAU),
             "Derivatives of forward_dynamics with respect to q, qd and tau.",
             _forward_dynamics_derivatives,
+            "M = L D L^T and the derivatives of tau",
         ),
         Function(
             "forward_kinematics",
@@ -335,6 +350,7 @@ FUNCTIONS = {
             (T,),
             "Forward kinematics: the pose of the last frame.",
             _forward_kinematics,
+            "product of the transforms",
         ),
         Function(
             "jacobian",
@@ -342,6 +358,7 @@ FUNCTIONS = {
             (J,),
             "Jacobian of the last frame: velocity of its origin, angular velocity.",
             _jacobian,
+            "joint axes, and the way from each to the tip",
         ),
         Function(
             "kinetic_energy",
@@ -349,6 +366,7 @@ FUNCTIONS = {
             (K,),
             "Kinetic energy 1/2 qd^T M(q) qd, with that of the rotors.",
             _kinetic_energy,
+            "velocities from the base to the tip",
         ),
         Function(
             "potential_energy",
@@ -356,6 +374,7 @@ FUNCTIONS = {
             (P,),
             "Potential energy P(q): minus the sum of m_i g . r_Ci.",
             _potential_energy,
+            "heights of the centres of mass, from the tip to the base",
         ),
     )
 }
