@@ -9,9 +9,9 @@ ToolchainError  no C compiler that works
 """
 
 from moro_codegen.expressions import UserFunction as Function
-from moro_codegen.functions import FUNCTIONS
 from moro_codegen.kernel import Kernel, build, compile
 from moro_codegen.lambdify import lambdify
+from moro_codegen.requested import KNOWN as FUNCTIONS
 from moro_codegen.toolchain import ToolchainError
 from moro_codegen.verify import Verification, verify
 

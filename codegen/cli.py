@@ -30,7 +30,7 @@ LANGUAGES = ("c", "cython", "python")
 
 
 def _epilog() -> str:
-    from moro_codegen.functions import FUNCTIONS
+    from moro_codegen import FUNCTIONS
 
     from moro.io import packaged
 
@@ -79,7 +79,7 @@ class _Names(click.ParamType):  # type: ignore[type-arg]
 
 
 def _functions() -> _Names:
-    from moro_codegen.functions import FUNCTIONS
+    from moro_codegen import FUNCTIONS
 
     return _Names(FUNCTIONS, joined=True)
 

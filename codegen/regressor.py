@@ -22,6 +22,24 @@ from moro.model import Scalar
 from moro.robot import Robot
 
 
+def _of_no_robot(*_: object) -> Outputs:
+    raise ValueError("the regressor is that of a robot: compile(robot, functions=('regressor',))")
+
+
+#: what is known of it without a robot; b is the number of base parameters
+REGRESSOR = Function(
+    "regressor",
+    (Q, QD, QDD),
+    (
+        Argument("Y", ("n", "b"), "SI", "torques (forces) per unit of each base parameter"),
+        Argument("p", ("b",), "SI", "base parameters, with the values of the model"),
+    ),
+    "Regressor: tau = Y(q, qd, qdd) p, friction and rotor inertia included.",
+    _of_no_robot,
+    "body regressors (Atkeson, An & Hollerbach), columns of base parameters",
+)
+
+
 def regressor(robot: Robot) -> Function:
     """Return the function (q, qd, qdd) -> (Y, p) of a robot: tau = Y p.
 
@@ -52,16 +70,13 @@ def regressor(robot: Robot) -> Function:
         zero = system.graph.zero
         return [[x + zero for row in rows for x in row], list(values)]
 
-    return Function(
-        "regressor",
-        (Q, QD, QDD),
-        (
-            Argument("Y", ("n", len(base)), "SI", "torques (forces) per unit of each parameter"),
-            Argument("p", (len(base),), "SI", "base parameters, with the values of the model"),
-        ),
-        "Regressor: tau = Y(q, qd, qdd) p, friction and rotor inertia included. The base "
-        f"parameters p are, in this order, about the origins of Khalil's frames: {names}.",
-        build,
+    Y, p = REGRESSOR.outputs
+    return replace(
+        REGRESSOR,
+        outputs=(replace(Y, shape=("n", len(base))), replace(p, shape=(len(base),))),
+        summary=f"{REGRESSOR.summary} The base parameters p are, in this order, about the origins "
+        f"of Khalil's frames: {names}.",
+        build=build,
     )
 
 

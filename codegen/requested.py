@@ -9,11 +9,15 @@ from typing import TypeAlias
 
 from moro_codegen.expressions import UserFunction
 from moro_codegen.functions import FUNCTIONS, Function
+from moro_codegen.regressor import REGRESSOR, regressor
 from moro_codegen.together import together
 
 from moro.robot import Robot
 
-#: a name of FUNCTIONS, a function of one's own, or a tuple of these to be computed together
+#: the functions that have a name
+KNOWN = {**FUNCTIONS, REGRESSOR.name: REGRESSOR}
+
+#: a name of KNOWN, a function of one's own, or a tuple of these to be computed together
 Request: TypeAlias = str | UserFunction | tuple[str | UserFunction, ...]
 
 #: the C functions made of a function f are called f, f_batch, f_1 and so on
@@ -35,7 +39,7 @@ def requested(
     names = [function.name for function in found]
     for name in (function.name for function in own):
         derived = DERIVED.fullmatch(name)
-        if name in FUNCTIONS:
+        if name in KNOWN:
             raise ValueError(f"a function cannot be named {name!r}: that is one of moro's own")
         if name in reserved:
             raise ValueError(f"a function cannot be named {name!r}: every kernel has a {name}")
@@ -45,22 +49,22 @@ def requested(
         if names.count(name) > 1:
             raise ValueError(f"two functions are called {name}")
     if not found:
-        raise ValueError(f"no functions: there are {', '.join(FUNCTIONS)}")
+        raise ValueError(f"no functions: there are {', '.join(KNOWN)}")
     return tuple(found)
 
 
-def named(name: str) -> Function:
+def named(name: str, robot: Robot) -> Function:
     """Return the function of a name. Raise ValueError, with the nearest name, if there is none."""
-    if name not in FUNCTIONS:
-        near = difflib.get_close_matches(name, FUNCTIONS, n=1)
+    if name not in KNOWN:
+        near = difflib.get_close_matches(name, KNOWN, n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
-        raise ValueError(f"no function {name!r}; {hint}there are {', '.join(FUNCTIONS)}")
-    return FUNCTIONS[name]
+        raise ValueError(f"no function {name!r}; {hint}there are {', '.join(KNOWN)}")
+    return regressor(robot) if name == REGRESSOR.name else FUNCTIONS[name]
 
 
 def _requested(item: Request, robot: Robot) -> Function:
     if isinstance(item, str):
-        return named(item)
+        return named(item, robot)
     if isinstance(item, UserFunction):
         return item.entry(robot)
     if isinstance(item, tuple):

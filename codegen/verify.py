@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from moro_codegen.functions import FUNCTIONS
 from moro_codegen.kernel import Kernel
+from moro_codegen.requested import KNOWN
 from moro_codegen.symbolic_route import Array, Dynamics, SymbolicRoute
 
 from moro import Robot
@@ -60,6 +60,7 @@ CHECKS: dict[str, Callable[..., Pairs]] = {
     "jacobian": lambda x, J: [(J, x.J)],
     "kinetic_energy": lambda x, K: [(K, x.K)],
     "potential_energy": lambda x, P: [(P, x.P)],
+    "regressor": lambda x, Y, p: [(np.einsum("sij,sj->si", Y, p), x.tau)],
 }
 
 
@@ -146,7 +147,7 @@ def verify(
         pairs = [
             pair
             for part in parts
-            for pair in CHECKS[part](expected, *[next(results) for _ in FUNCTIONS[part].outputs])
+            for pair in CHECKS[part](expected, *[next(results) for _ in KNOWN[part].outputs])
         ]
         errors[name] = _errors(pairs)
     return Verification(kernel.name, errors, q, qd, qdd, route.name, tuple(unchecked))

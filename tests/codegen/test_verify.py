@@ -158,3 +158,14 @@ def test_functions_together_and_of_ones_own(folder):
     verification = mc.verify(mc.compile(robot, functions=(own,), directory=folder), robot)
     assert not verification.passed
     assert np.isnan(verification.max_error)
+
+
+def test_the_regressor_is_a_function_by_name(folder):
+    robot = mr.load("stanford_arm")
+    kernel = mc.compile(robot, ("tau", "regressor"), directory=folder)
+    Y, p = kernel.regressor(np.zeros(6), np.ones(6), np.ones(6))
+    assert Y.shape == (6, len(robot.base_parameters()))
+    np.testing.assert_allclose(p, np.array(robot.base_parameters().values, dtype=float))
+    verification = mc.verify(kernel, robot)
+    assert verification.passed
+    assert not verification.unchecked
