@@ -28,8 +28,11 @@ docs: .venv/docs
 figures: .venv/docs
 	$(BIN)/python docs/figures/draw.py
 
+bench: benchmarks/.peers/installed
+	@benchmarks/.peers/bin/python -m benchmarks $(BENCH)
+
 clean:
-	rm -rf docs/_build .venv build/bdist.* build/lib* build/temp.* *.egg-info codegen/_runtime.c codegen/*.so
+	rm -rf docs/_build .venv benchmarks/.peers build/bdist.* build/lib* build/temp.* *.egg-info codegen/_runtime.c codegen/*.so
 
 .venv/bin/python:
 	@echo "setting up .venv (half a minute or so)"
@@ -47,3 +50,15 @@ clean:
 .venv/docs: .venv/installed
 	@$(INSTALL) --editable ".[docs]"
 	touch $@
+
+# an environment of its own: moro never needs its peers; one that cannot be installed is left out
+benchmarks/.peers/installed: pyproject.toml setup.py codegen/_runtime.pyx
+	@echo "setting up the peers in benchmarks/.peers (a minute or two)"
+	@test -x $(@D)/bin/python || $(PYTHON) -m venv $(@D)
+	@$(@D)/bin/python -m pip install --quiet --upgrade pip
+	@PYTHONWARNINGS=ignore $(@D)/bin/python -m pip install --quiet --editable . --group charts
+	@for peer in pinocchio casadi mujoco toolbox; do \
+	    $(@D)/bin/python -m pip install --quiet --group $$peer || \
+	    echo "$$peer cannot be installed here: it is left out"; \
+	done
+	@touch $@

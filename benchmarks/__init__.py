@@ -1,0 +1,1 @@
+"""The speed of moro and of its peers, measured side by side: ``make bench``."""
