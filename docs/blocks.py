@@ -1,4 +1,4 @@
-"""What pages show that is neither text nor the output of a sample: formulas, tables, long runs.
+"""What pages show that is neither text nor output of a sample: formulas, tables, runs of programs.
 
 A page says where, with an expression that gives the text in between:
 
@@ -10,8 +10,21 @@ The expression knows the names below and those of the page's samples before it.
 
 from __future__ import annotations
 
+import json
+import os
+import platform
 import re
+import subprocess
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
 
+from moro_codegen import FUNCTIONS
+from moro_codegen.functions import Argument
+from moro_codegen.toolchain import find_compiler
+
+ROOT = Path(__file__).resolve().parent.parent
 BLOCK = re.compile(r"^(<!-- write: ([^\n]+) -->\n)(.*?)^(<!-- end -->)$", re.MULTILINE | re.DOTALL)
 
 
@@ -20,7 +33,126 @@ def formula(latex: str) -> str:
     return f"\n$$\n{latex}\n$$\n"
 
 
+def console(*commands: str) -> str:
+    """Return what commands print, in the folder of the page's files."""
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    shown = []
+    for command in commands:
+        done = subprocess.run(  # noqa: S602 - our own pages
+            command,
+            shell=True,
+            check=True,
+            capture_output=True,
+            text=True,
+            env={**os.environ, "PATH": path, "COLUMNS": "100"},
+        )
+        shown += [f"$ {command}", *(line.rstrip() for line in done.stdout.strip().splitlines())]
+    return "\n".join(["```console", *shown, "```", ""])
+
+
+def machine() -> str:
+    """Return the kind of machine that a page was written on, as a sentence."""
+    compiler, python = find_compiler().version, platform.python_version()
+    return f"(Run on one core of an {_processor()}, with {compiler} and Python {python}.)\n"
+
+
+def functions() -> str:
+    """Return the table of what kernels compute."""
+    return _table(
+        ("function", "what it is", "algorithm"),
+        (
+            (
+                f"`{f.name}({_names(f.inputs)})` → {_names(f.outputs, '`')}",
+                f.summary.rstrip("."),
+                f.algorithm,
+            )
+            for f in FUNCTIONS.values()
+        ),
+    )
+
+
+def arguments() -> str:
+    """Return the table of what functions take and return."""
+    every = [a for f in FUNCTIONS.values() for a in (*f.inputs, *f.outputs)]
+    return _table(
+        ("name", "shape", "unit", "what it is"),
+        ((f"`{a.name}`", _shape(a.shape), a.unit, a.description) for a in dict.fromkeys(every)),
+    )
+
+
+def operations(kind: str) -> str:
+    """Return the operations of tau as passes come ("+"), or with one left out ("all but")."""
+    found = _results("operations")["operations"]
+    arms = next(iter(found.values()))
+    chosen = {row: counts for row, counts in found.items() if row.startswith(kind)}
+    first = {row: counts for row, counts in found.items() if not row.startswith(("+", "all but"))}
+    rows = {**first, **chosen} if kind == "+" else chosen
+    return _table(
+        ("", *arms),
+        ((row, *(f"{n} + {k}" for n, k in counts.values())) for row, counts in rows.items()),
+    )
+
+
+def accuracy() -> str:
+    """Return the errors of tau, relative to the largest torque of a state."""
+    rows = [
+        (dtype, arm, *(f"{x:.1e}" for x in errors.values()))
+        for dtype, arms in _results("accuracy")["tau"].items()
+        for arm, errors in arms.items()
+    ]
+    return _table(("precision", "arm", "half below", "90 % below", "99 % below", "largest"), rows)
+
+
+def growth() -> str:
+    """Return operations of tau, and the time to generate it, by number of joints."""
+    return _table(
+        ("joints", "operations", "for each joint", "ms to generate", "for each joint"),
+        (
+            (
+                n,
+                str(r["operations"]),
+                f"{r['operations'] / int(n):.1f}",
+                f"{1e3 * r['seconds']:.0f}",
+                f"{1e3 * r['seconds'] / int(n):.1f}",
+            )
+            for n, r in _results("operations")["growth"].items()
+        ),
+    )
+
+
+def _names(arguments: Iterable[Argument], quote: str = "") -> str:
+    return ", ".join(f"{quote}{a.name}{quote}" for a in arguments)
+
+
+def _shape(shape: Sequence[str | int]) -> str:
+    return f"({', '.join(map(str, shape))}{',' * (len(shape) == 1)})"
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n" + "".join(f"| {' | '.join(line)} |\n" for line in lines) + "\n"
+
+
+def _results(name: str) -> Any:
+    """Return what a benchmark has written."""
+    return json.loads((ROOT / f"benchmarks/results/{name}.json").read_text(encoding="utf-8"))
+
+
+def _processor() -> str:
+    """Return the name of the processor."""
+    try:
+        text = Path("/proc/cpuinfo").read_text(encoding="utf-8")
+    except OSError:
+        text = ""
+    found = re.search(r"^model name\s*: (.*)$", text, re.MULTILINE)
+    name = found[1].strip() if found else platform.processor() or platform.machine()
+    return re.sub(r"\((R|TM)\)", "", name)
+
+
 #: what expressions may use
-NAMES = {"formula": formula}
-#: these take the time of the machine at hand, so that no two runs are equal
-TIMED: tuple[str, ...] = ()
+NAMES = {
+    f.__name__: f
+    for f in (formula, console, machine, functions, arguments, operations, accuracy, growth)
+}
+#: expressions that begin like this tell of the machine at hand: no two runs are equal
+TIMED = ('console("moro-codegen', "machine")

@@ -24,7 +24,7 @@ from docs.blocks import BLOCK, NAMES
 #: characters of a line of output that fit on a page
 WIDTH = 90
 
-_SAMPLE = re.compile(r"^```(python|yaml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+_SAMPLE = re.compile(r"^```(python|yaml|c)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _PART = re.compile(f"{_SAMPLE.pattern}|{BLOCK.pattern}", re.MULTILINE | re.DOTALL)
 
 
@@ -36,13 +36,20 @@ def refreshed(text: str) -> str:
         language, code, begin, expression, _, end = match.groups()
         if expression:
             return f"{begin}{eval(expression, {**names, **NAMES})}{end}"  # noqa: S307 - our own pages
-        if language == "yaml":
-            name = re.match(r"# (\S+\.yaml)\n", code)
-            Path(name[1] if name else "robot.yaml").write_text(code, encoding="utf-8")
+        if language != "python":
+            write_file(code)
             return match[0]
         return f"```python\n{''.join(_samples(code, names))}```"
 
     return _PART.sub(part, text)
+
+
+def write_file(text: str) -> Path:
+    """Put a file of a page, named in its first line, where its samples find it."""
+    name = re.match(r"(?:#|/\*) (\S+\.\w+)", text)
+    path = Path(name[1] if name else "robot.yaml")
+    path.write_text(text, encoding="utf-8")
+    return path
 
 
 def _samples(code: str, names: dict[str, Any]) -> Iterator[str]:

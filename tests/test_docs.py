@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import doctest
 import importlib
+import json
 import pkgutil
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from moro_codegen.generate import generate
 from sybil import Document, Example, Region, Sybil
 from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser
 
 import moro
 from docs import blocks
+from docs.refresh import write_file
 from moro import Robot, load
 
 ROOT = Path(__file__).parent.parent
@@ -26,13 +29,14 @@ FLAGS = doctest.NORMALIZE_WHITESPACE
 
 
 def write_robot_file(example: Example) -> None:
-    """Put a robot file of a page where its samples find it: in the current folder."""
-    text = str(example.parsed)
-    name = re.match(r"# (\S+\.yaml)\n", text)
-    path = Path(name[1] if name else "robot.yaml")
-    path.write_text(text, encoding="utf-8")
+    """Put a robot file of a page where its samples find it, and see that it is right."""
+    path = write_file(str(example.parsed))
     if not path.stem.startswith("broken"):
         load(path)
+
+
+def write_source(example: Example) -> None:
+    write_file(str(example.parsed))
 
 
 def find_blocks(document: Document) -> Iterator[Region]:
@@ -52,6 +56,7 @@ SAMPLES = Sybil(
     [
         PythonCodeBlockParser(doctest_optionflags=FLAGS),
         CodeBlockParser("yaml", write_robot_file),
+        CodeBlockParser("c", write_source),
         find_blocks,
     ]
 )
@@ -83,6 +88,15 @@ def test_a_wrong_output_is_found(tmp_path: Path) -> None:
     (example,) = SAMPLES.parse(page)
     with pytest.raises(AssertionError, match="3"):
         example.evaluate()
+
+
+def test_operations_are_those_that_kernels_have() -> None:
+    """If not: python -m benchmarks.operations --write, then python -m docs.refresh."""
+    results = (ROOT / "benchmarks/results/operations.json").read_text(encoding="utf-8")
+    *_, counts = (c for row, c in json.loads(results)["operations"].items() if row[0] == "+")
+    for name, count in counts.items():
+        ops = generate(load(name).model(), rigid=True).routines[0].ops
+        assert [ops["add"] + ops["sub"] + ops["mul"], ops["sincos"]] == count
 
 
 def test_names_lists_every_public_name_of_robot() -> None:
