@@ -26,7 +26,7 @@ from moro_codegen.emit.describe import (
 )
 from moro_codegen.emit.parts import Keep, Parts, Step, Take, in_parts
 from moro_codegen.emit.render import render
-from moro_codegen.emit.statements import Assign, Body, Call, Load, Names, Sines, body, literal
+from moro_codegen.emit.statements import Assign, Body, Call, Load, Names, Sines, Turn, body, literal
 
 if TYPE_CHECKING:
     from moro_codegen.functions import Argument
@@ -42,11 +42,12 @@ _WORDS = """
     acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs
     fdim floor fma fmax fmin fmod frexp hypot ilogb j0 j1 jn ldexp lgamma log log10 log1p log2 logb
     modf nan pow remainder rint round scalbn signgam sin sinh sqrt tan tanh tgamma trunc y0 y1 yn
-    gamma drem scalb significand
+    gamma drem scalb significand without_turns FAR
     S1 S2 S3 S4 S5 S6 C1 C2 C3 C4 C5 C6 LANES REDUCIBLE SHUFFLE HELPER RARE PART TWO_OVER_PI ROUNDER
     SIGN_BIT ONE_BITS EACH_LANE EVEN ODD JOIN4 JOIN8 JOIN16 HALF_PI_1 HALF_PI_2 HALF_PI_3 HALF_PI_4
     FROM PAIR
-    lanes load store load_any store_any sign sign_lanes sines sines_lanes sines_pack sines_of_large
+    lanes lane_bits load store load_any turned turn_lanes
+    turn_far store_any sign sign_lanes sines sines_lanes sines_pack sines_of_large
     pack2 pack4 pack8 pack16 bits2 bits4 bits8 bits16 memory2 memory4 memory8 memory16 lane_memory
     l parameters count
     """.split()  # noqa: SIM905
@@ -60,6 +61,7 @@ SCALARS: dict[str, dict[str, Any]] = {
         "bits": 64,
         "widths": (8, 4, 2),
         "reducible": "1e5",
+        "far": "1e3",
         "parts": "37, 37 and 53",
         "constants": {
             "TWO_OVER_PI": 2 / math.pi,
@@ -85,6 +87,7 @@ SCALARS: dict[str, dict[str, Any]] = {
         "bits": 32,
         "widths": (16, 8, 4),
         "reducible": "1e3f",
+        "far": "32.0f",
         "parts": "11, 11, 11 and 24",
         "constants": {
             "TWO_OVER_PI": 2 / math.pi,
@@ -260,7 +263,8 @@ class _Emission:
         """The statements, with names that neither C nor our own variables have."""
         arguments = (*self.inputs, *self.routine.outputs)
         own = (*self.local.values(), "x", "y", *(a.name for a in arguments))
-        return body(self.program, self.routine, {*RESERVED, *own}, suffix(self.program))
+        reserved = {*RESERVED, *own}
+        return body(self.program, self.routine, reserved, suffix(self.program), turned=True)
 
     @cached_property
     def parts(self) -> Parts:
@@ -402,6 +406,11 @@ def scalar_lines(step: Step, inputs: Iterable[Argument], shared: str, real: str)
         case Call(name, function, arguments):
             called = c_name(function, "f" if real == "float" else "")
             return [f"const {real} {name} = {called}({', '.join(arguments)});"]
+        case Turn(names, angles, _):
+            return [
+                f"const {real} {name} = turned({angle});"
+                for name, angle in zip(names, angles, strict=True)
+            ]
         case Sines(angles, pairs, (angle, sine, cosine)):
             n, room = len(angles), len(angles) + len(angles) % 2 + 2 * (len(angles) % 4 == 3)
             return [
@@ -432,6 +441,12 @@ def lanes_lines(step: Step, first: Mapping[str, int], shared: str, f: str) -> li
                 f"lanes {name} = {{0}};",
                 "for (int l = 0; l < LANES; l++)",
                 f"    {name}[l] = {c_name(function, f)}({', '.join(values)});",
+            ]
+        case Turn(names, angles, array):
+            return [
+                f"lanes {array}[{len(angles)}] = {{{', '.join(angles)}}};",
+                f"turn_lanes({len(angles)}, {array});",
+                *(f"const lanes {name} = {array}[{k}];" for k, name in enumerate(names)),
             ]
         case Sines(angles, pairs, (angle, sine, cosine)):
             n = len(angles)

@@ -17,7 +17,7 @@ from moro_codegen.emit.describe import (
     version,
 )
 from moro_codegen.emit.render import render
-from moro_codegen.emit.statements import Assign, Call, Load, Sines, Statement, body
+from moro_codegen.emit.statements import Assign, Call, Load, Sines, Statement, Turn, body
 
 if TYPE_CHECKING:
     from moro_codegen.generate import Program, Routine
@@ -89,7 +89,7 @@ def _forgetting(lines: Sequence[str], names: Collection[str]) -> Iterator[str]:
 
 def _computed(statement: Statement) -> list[str]:
     match statement:
-        case Load():
+        case Load() | Turn():
             return []
         case Assign(name, _) | Call(name, _, _):
             return [name]

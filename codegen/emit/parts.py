@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from moro_codegen.emit.statements import Assign, Body, Call, Load, Sines, Statement
+from moro_codegen.emit.statements import Assign, Body, Call, Load, Sines, Statement, Turn
 
 #: statements of a part
 LENGTH = 500
@@ -120,7 +120,7 @@ def _used(statement: Statement) -> list[str]:
             return _NAME.findall(expression)
         case Call(_, _, arguments):
             return _NAME.findall(" ".join(arguments))
-        case Sines(angles, _, _):
+        case Sines(angles, _, _) | Turn(_, angles, _):
             return _NAME.findall(" ".join(angles))
     return []
 
@@ -129,6 +129,8 @@ def _defined(statement: Statement) -> list[str]:
     match statement:
         case Assign(name) | Call(name):
             return [name]
+        case Turn(names, _, _):
+            return list(names)
         case Sines(_, pairs, _):
             return [name for pair in pairs for name in pair if name]
     return []

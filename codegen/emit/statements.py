@@ -74,6 +74,18 @@ class Sines:
 
 
 @dataclass(frozen=True)
+class Turn:
+    """``names[k]`` is the angle ``angles[k]``, by whole turns nearer to 0 if it is far from it.
+
+    So that a sum of large angles is not rounded coarsely. ``array`` is a free name.
+    """
+
+    names: tuple[str, ...]
+    angles: tuple[str, ...]
+    array: str
+
+
+@dataclass(frozen=True)
 class Call:
     """``name = function(arguments)``, the function being ``sign`` or one of C's <math.h>."""
 
@@ -82,7 +94,7 @@ class Call:
     arguments: tuple[str, ...]
 
 
-Statement = Load | Assign | Sines | Call
+Statement = Load | Assign | Turn | Sines | Call
 
 
 @dataclass(frozen=True)
@@ -110,12 +122,20 @@ class Names:
         return name
 
 
-def body(program: Program, routine: Routine, reserved: Iterable[str], suffix: str = "") -> Body:
+def body(
+    program: Program,
+    routine: Routine,
+    reserved: Iterable[str],
+    suffix: str = "",
+    *,
+    turned: bool = False,
+) -> Body:
     """Return the routine's statements.
 
     ``reserved`` are names that the language keeps to itself, ``suffix`` follows its constants.
+    ``turned`` brings large angles that are added to others near 0 first.
     """
-    return _Writer(program, routine, reserved, suffix).body()
+    return _Writer(program, routine, reserved, suffix, turned).body()
 
 
 def literal(value: object, suffix: str = "") -> str:
@@ -149,6 +169,7 @@ class _Writer:
     routine: Routine
     reserved: Iterable[str]
     suffix: str = ""
+    turned: bool = False
     statements: list[Statement] = field(default_factory=list)
     texts: dict[Node, Text] = field(default_factory=dict)
     pairs: dict[Node, tuple[str, str]] = field(default_factory=dict)
@@ -167,9 +188,11 @@ class _Writer:
         """Write the angles, their sines and cosines, then everything else in order."""
         self._load_inputs()
         leading = self._needed_for(self.routine.angles)
+        inputs = self._turn(leading) if self.turned else {}
         for node in self.routine.schedule:
             if node in leading:
                 self._write(node)
+        self.texts.update(inputs)
         self._write_sines(self.routine.angles)
         for node in self.routine.schedule:
             if node not in leading:
@@ -244,6 +267,29 @@ class _Writer:
                 needed.add(node)
                 stack.extend(node.args)
         return needed
+
+    def _turn(self, leading: set[Node]) -> dict[Node, Text]:
+        """Turn the inputs that are summed to angles, if nothing else is made of the sums.
+
+        Return the texts of the inputs as they are, for whatever else they are used in.
+        """
+        sums = {node for node in leading if node.op in ("add", "sub", "neg")}
+        periodic = Counter(
+            a for n in self.routine.schedule if n in sums or n.op in ("sin", "cos") for a in n.args
+        )
+        if sums != leading or any(self.uses[node] > periodic[node] for node in sums):
+            return {}
+        summed = dict.fromkeys(
+            a for n in self.routine.schedule if n in sums for a in n.args if a.op == "input"
+        )
+        if not summed:
+            return {}
+        untouched = {node: self.texts[node] for node in summed}
+        angles = tuple(text.text for text in untouched.values())
+        names = tuple(self.names.take(f"{angle}_turned") for angle in angles)
+        self.statements.append(Turn(names, angles, self.names.take("turned")))
+        self.texts.update((node, Text(name)) for node, name in zip(summed, names, strict=True))
+        return untouched
 
     def _write_sines(self, angles: Sequence[Node]) -> None:
         if angles:
