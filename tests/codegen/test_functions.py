@@ -11,10 +11,9 @@ import sympy as sp
 from arms import NAMES, numeric, sincos
 from dynamics import arrays, exact_case
 from exact import exact_values, rational
-from moro_codegen import FUNCTIONS
 from moro_codegen.convert import Converter
 from moro_codegen.frames import equivalent_postures
-from moro_codegen.functions import System
+from moro_codegen.functions import FUNCTIONS, System
 from moro_codegen.generate import generate
 from moro_codegen.graph import Graph, count, schedule
 from robots import random_robot

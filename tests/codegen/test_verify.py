@@ -140,7 +140,7 @@ def test_every_wrong_function_is_found_out(folder):
     errors = mc.verify(kernel, stiffer).max_errors
     wrong = {name for name, error in errors.items() if error > TOLERANCE}
     assert wrong == {"tau", "tau_with_wrench", "bias", "forward_dynamics", "tau_derivatives",
-                     "forward_dynamics_derivatives"} & {*functions}  # fmt: skip
+                     "forward_dynamics_derivatives", "regressor"}  # fmt: skip
     stanford = mc.compile(mr.load("stanford_arm"), functions=GEOMETRY, directory=folder)
     assert min(mc.verify(stanford, robot).max_errors.values()) > TOLERANCE
 
@@ -165,7 +165,8 @@ def test_the_regressor_is_a_function_by_name(folder):
     kernel = mc.compile(robot, ("tau", "regressor"), directory=folder)
     Y, p = kernel.regressor(np.zeros(6), np.ones(6), np.ones(6))
     assert Y.shape == (6, len(robot.base_parameters()))
-    np.testing.assert_allclose(p, np.array(robot.base_parameters().values, dtype=float))
+    values = [float(x) for x in robot.base_parameters().values]
+    np.testing.assert_allclose(p, values)
     verification = mc.verify(kernel, robot)
     assert verification.passed
     assert not verification.unchecked
