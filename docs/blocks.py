@@ -24,8 +24,17 @@ from moro_codegen import FUNCTIONS
 from moro_codegen.functions import Argument
 from moro_codegen.toolchain import find_compiler
 
+from benchmarks.figures import faster_peers, figures
+
 ROOT = Path(__file__).resolve().parent.parent
 BLOCK = re.compile(r"^(<!-- write: ([^\n]+) -->\n)(.*?)^(<!-- end -->)$", re.MULTILINE | re.DOTALL)
+#: libraries that moro is measured beside, by the name of their package
+PEERS = {
+    "pin": "Pinocchio",
+    "casadi": "CasADi",
+    "mujoco": "MuJoCo",
+    "roboticstoolbox-python": "Robotics Toolbox for Python",
+}
 
 
 def formula(latex: str) -> str:
@@ -103,6 +112,38 @@ def accuracy() -> str:
     return _table(("precision", "arm", "half below", "90 % below", "99 % below", "largest"), rows)
 
 
+def reached() -> str:
+    """Return how moro compares with its peers, measure by measure."""
+    return _table(
+        ("measure", "aim", "measured"),
+        (
+            (
+                f.measure,
+                f"{'' if f.at_least else 'at most '}{f.reach:g}",
+                "not measured" if f.now is None else f"{f.now:.3g}",
+            )
+            for f in figures(_results("peers"))
+        ),
+    )
+
+
+def faster() -> str:
+    """Return where a peer is faster than moro, as a list."""
+    losses = list(faster_peers(_results("peers")))
+    return "\n" + "".join(f"- {line}\n" for line in losses or ["Nowhere in this run."]) + "\n"
+
+
+def measured_on() -> str:
+    """Return where and with what moro and its peers were measured, as a sentence."""
+    results = _results("peers")
+    machine, versions = results["machine"], results["versions"]
+    peers = ", ".join(
+        f"{name} {versions[key]}" for key, name in PEERS.items() if versions.get(key) is not None
+    )
+    processor = _plain(machine["processor"])
+    return f"Measured on one core of an {processor}, beside {peers}, on {results['when'][:10]}.\n"
+
+
 def growth() -> str:
     """Return operations of tau, and the time to generate it, by number of joints."""
     return _table(
@@ -145,14 +186,30 @@ def _processor() -> str:
     except OSError:
         text = ""
     found = re.search(r"^model name\s*: (.*)$", text, re.MULTILINE)
-    name = found[1].strip() if found else platform.processor() or platform.machine()
-    return re.sub(r"\((R|TM)\)", "", name)
+    return _plain(found[1] if found else platform.processor() or platform.machine())
+
+
+def _plain(name: str) -> str:
+    """Return the name of a processor without trade marks and what stands in brackets."""
+    return re.sub(r" *\([^)]*\)", "", name).strip()
 
 
 #: what expressions may use
 NAMES = {
     f.__name__: f
-    for f in (formula, console, machine, functions, arguments, operations, accuracy, growth)
+    for f in (
+        formula,
+        console,
+        machine,
+        functions,
+        arguments,
+        operations,
+        accuracy,
+        growth,
+        reached,
+        faster,
+        measured_on,
+    )
 }
 #: expressions that begin like this tell of the machine at hand: no two runs are equal
 TIMED = ('console("moro-codegen', "machine")

@@ -49,7 +49,8 @@ def find_blocks(document: Document) -> Iterator[Region]:
 
 def compare_block(example: Example) -> None:
     expression, shown = example.parsed
-    assert eval(expression, {**example.namespace, **blocks.NAMES}) == shown  # noqa: S307
+    written = eval(expression, {**example.namespace, **blocks.NAMES})  # noqa: S307
+    assert written == shown, "if what is written now is right: python -m docs.refresh"
 
 
 SAMPLES = Sybil(
