@@ -18,7 +18,7 @@ from moro.algorithms.kinematics import with_tip
 from moro.algorithms.posture import Posture
 from moro.algorithms.regressor import PARAMETERS, body_regressor
 from moro.algorithms.vectors import add, scaled, transpose
-from moro.model import Scalar
+from moro.model import Model, Scalar
 from moro.robot import Robot
 
 
@@ -54,7 +54,7 @@ def regressor(robot: Robot) -> Function:
     ) -> Outputs:
         arm = system.posture(q)
         if robot.convention == "dh":
-            arm = at_common_normals(with_tip(arm, system.model.tip))
+            arm = at_common_normals(with_tip(arm, system.model.tip), system.model)
         columns = list(zip(*body_regressor(arm, qd, qdd), strict=True))
 
         def column(link: int, name: str) -> Sequence[Scalar]:
@@ -80,14 +80,16 @@ def regressor(robot: Robot) -> Function:
     )
 
 
-def at_common_normals(arm: Posture) -> Posture:
+def at_common_normals(arm: Posture, model: Model) -> Posture:
     """Return a standard DH arm with its last frame, in Khalil's frames and without the last.
 
-    There the origin of frame i is where the common normal to the axis of joint i + 1 begins.
+    There the origin of frame i is where the common normal to the axis of joint i + 1 begins, which
+    is further along the axis of joint i by the row's d; what joint i + 1 slides does not count.
     """
     links = list(arm.links)
-    for i in range(len(links) - 1):
-        x, y, z = links[i + 1].p
-        links[i] = replace(links[i], p=add(links[i].p, scaled(z, transpose(links[i].R)[2])))
-        links[i + 1] = replace(links[i + 1], p=(x, y, 0))
+    placements = [*(joint.placement for joint in model.joints[1:]), model.tip]
+    for i, placement in enumerate(placements):
+        d = placement.p[2]
+        links[i] = replace(links[i], p=add(links[i].p, scaled(d, transpose(links[i].R)[2])))
+        links[i + 1] = replace(links[i + 1], p=add(links[i + 1].p, (0, 0, -d)))
     return replace(arm, links=tuple(links[:-1]))
