@@ -44,12 +44,15 @@ def time_tau(
     q = rng.uniform(low, high, (BATCH, robot.dof))
     qd, qdd = rng.standard_normal((2, BATCH, robot.dof))
     values = {str(s): x for s, x in parameter_values(robot, rng).items()}
+    dtype = kernel.signatures["tau"].dtype
+    numbers = [float(x) for x in (*q[0], *qd[0], *qdd[0], *values.values())]
+    q, qd, qdd = (x.astype(dtype) for x in (q, qd, qdd))
     names: dict[str, Any] = {
         "kernel": kernel.tau,
         "in_numpy": numpy_kernel.tau,
-        "out": np.empty(robot.dof),
+        "out": np.empty(robot.dof, dtype),
         "outs": np.empty_like(q),
-        "parameters": np.array(list(values.values())) if values else None,
+        "parameters": np.array(list(values.values()), dtype) if values else None,
     }
     for name, array in {"q": q, "qd": qd, "qdd": qdd}.items():
         names |= {name: array[0].copy(), f"{name}s": array}
@@ -60,8 +63,7 @@ def time_tau(
         Timing("the same in NumPy", seconds(f"in_numpy{one})", names)),
     ]
     if lambdified is not None:
-        numbers = [*q[0], *qd[0], *qdd[0], *values.values()]
-        names |= {"lambdified": lambdified, "numbers": [float(x) for x in numbers]}
+        names |= {"lambdified": lambdified, "numbers": numbers}
         timings.append(Timing("SymPy lambdify", seconds("lambdified(*numbers)", names)))
     for what, call in (
         ("compiled kernel", f"kernel{batch}, out=outs)"),
@@ -75,13 +77,14 @@ def time_function(kernel: Kernel, robot: Robot, name: str) -> list[Timing]:
     """Time a function of a kernel at one random state, and per sample of a batch."""
     rng = np.random.default_rng(0)
     values = [float(x) for x in parameter_values(robot, rng).values()]
-    given = kernel.signatures[name].given
-    batch = [rng.uniform(-1, 1, (BATCH, *shape(a))) for a in given]
+    signature = kernel.signatures[name]
+    dtype = signature.dtype
+    batch = [rng.uniform(-1, 1, (BATCH, *shape(a))).astype(dtype) for a in signature.given]
     names: dict[str, Any] = {
         "function": getattr(kernel, name),
         "one": [x[0].copy() for x in batch],
         "batch": batch,
-        "parameters": {"parameters": np.array(values)} if values else {},
+        "parameters": {"parameters": np.array(values, dtype)} if values else {},
     }
     one = seconds("function(*one, **parameters)", names)
     many = seconds("function(*batch, **parameters)", names) / BATCH

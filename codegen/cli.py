@@ -10,6 +10,7 @@ import time
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -113,6 +114,13 @@ def _functions() -> _Names:
     help="Compiled C, a Cython extension, or a Python module with NumPy, which needs no compiler.",
 )
 @click.option(
+    "--scalar",
+    type=click.Choice(["double", "float"]),
+    default="double",
+    show_default=True,
+    help="What the kernel computes with; float is single precision, not with cython.",
+)
+@click.option(
     "--emit",
     "languages",
     type=_Names(LANGUAGES),
@@ -126,6 +134,7 @@ def main(
     functions: tuple[Any, ...],
     output: Path,
     backend: str,
+    scalar: str,
     languages: tuple[str, ...],
     no_benchmark: bool,
 ) -> None:
@@ -137,7 +146,7 @@ def main(
     the C source, its header, the shared library and a manifest.
     """
     try:
-        passed = _run(robot, functions, output, backend, languages, not no_benchmark)
+        passed = _run(robot, functions, output, backend, scalar, languages, not no_benchmark)
     except _expected_errors() as error:
         click.echo(f"moro-codegen: error: {_message(error)}", err=True)
         sys.exit(2)
@@ -149,6 +158,7 @@ def _run(
     functions: tuple[Any, ...],
     output: Path,
     backend: str,
+    scalar: str,
     languages: tuple[str, ...],
     with_benchmark: bool,
 ) -> bool:
@@ -161,7 +171,7 @@ def _run(
     with _step("deriving the equations of motion", times, "derive"):
         route = SymbolicRoute(robot)
     with _step("generating and compiling", times):
-        kernel = _build(robot, functions, output, backend, languages, source_record, times)
+        kernel = _build(robot, functions, output, backend, scalar, languages, source_record, times)
     with _step("comparing the kernel with the equations", times, "verify"):
         verification = verify(kernel, robot, route=route)
     timings = []
@@ -193,6 +203,7 @@ def _build(
     functions: tuple[Any, ...],
     output: Path,
     backend: Any,
+    scalar: Any,
     languages: Any,
     source: dict[str, str],
     times: dict[str, float],
@@ -204,6 +215,7 @@ def _build(
 
     start = time.perf_counter()
     program = generate(robot.model(), requested(functions, robot), robot.parameters)
+    program = replace(program, scalar=scalar)
     generated = time.perf_counter() - start
     kernel = build(program, output / robot.name, backend, languages=languages, source=source)
     times["generate"] = generated + kernel.timings["emit"]
@@ -227,7 +239,8 @@ def _benchmark(kernel: Kernel, robot: Robot, route: SymbolicRoute) -> list[Timin
     short = route.is_closed_form and route.terms <= LAMBDIFY_TERMS
     lambdified = lambdify_tau(robot) if short else None
     with TemporaryDirectory() as folder:
-        in_numpy = compile(robot, directory=folder, backend="numpy")
+        dtype = kernel.signatures["tau"].dtype
+        in_numpy = compile(robot, directory=folder, backend="numpy", dtype=dtype)
         return [*time_tau(kernel, in_numpy, robot, lambdified), *others]
 
 
@@ -270,6 +283,8 @@ def _facts(
 ) -> Iterator[tuple[str, str, str]]:
     """Yield what the kernel is, how long it took, and whether it is right."""
     yield "joints", str(robot.dof), f"{_kinds(robot)}, {robot.convention} convention"
+    if kernel.manifest["scalar"] == "float":
+        yield "scalar type", "float", "single precision"
     if kernel.parameters:
         yield "parameters", str(len(kernel.parameters)), ", ".join(kernel.parameters)
     for name, ops in kernel.ops.items():

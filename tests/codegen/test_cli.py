@@ -117,6 +117,24 @@ def test_cython_backend(tmp_path):
     assert "manifest.json, two_link_cython/" in done.stdout
 
 
+def test_single_precision(tmp_path):
+    done = run("two_link", "--scalar", "float", "-f", "tau,inertia_matrix", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    for row in ("scalar type", "float   single precision", "verified: 84 states", "SymPy lambdify"):
+        assert row in done.stdout
+    assert json.loads((tmp_path / "build/two_link/manifest.json").read_text())["scalar"] == "float"
+    assert "float tau[2]" in (tmp_path / "build/two_link/two_link.h").read_text()
+    again = run("two_link", "--no-benchmark", cwd=tmp_path)
+    assert "built before" not in again.stdout
+    assert "scalar type" not in again.stdout
+    assert "double tau[2]" in (tmp_path / "build/two_link/two_link.h").read_text()
+    refused(
+        run("two_link", "--scalar", "float", "--backend", "cython", cwd=tmp_path),
+        "double precision only",
+    )
+    refused(run("two_link", "--scalar", "half", cwd=tmp_path), "'half'", "double", "float")
+
+
 def test_unknown_functions_and_languages(tmp_path):
     refused(
         run("two_link", "-f", "tau,inertia_matrx", cwd=tmp_path),
@@ -147,7 +165,16 @@ def test_a_wrong_function_fails_the_whole(tmp_path, monkeypatch, capsys):
 def test_help_explains_itself(tmp_path):
     done = run("--help", cwd=tmp_path)
     assert done.returncode == 0
-    words = "ROBOT", "puma560", "--output", "--backend", "--emit", "Exit code", "manifest"
+    words = (
+        "ROBOT",
+        "puma560",
+        "--output",
+        "--backend",
+        "--scalar",
+        "--emit",
+        "Exit code",
+        "manifest",
+    )
     for word in (*words, *FUNCTIONS, "Jacobian of the last frame: velocity of its origin"):
         assert word in done.stdout
 

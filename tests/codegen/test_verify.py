@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from arms import NAMES, reference_states
-from moro_codegen.verify import CHECKS, TOLERANCE, SymbolicRoute
+from moro_codegen.verify import CHECKS, TOLERANCE, TOLERANCES, SymbolicRoute
 from robots import random_robot
 
 import moro as mr
@@ -74,6 +74,30 @@ def test_a_kernel_of_another_arm_is_found_out(folder):
     assert not verification.passed
     assert verification.max_error > TOLERANCE
     assert "FAILED" in repr(verification)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_single_precision(name, backend, folder):
+    """By a factor of two below its tolerance, which finds what is wrong by a few thousandths."""
+    robot = mr.load(name)
+    functions = ("tau", "inertia_matrix", "tau_with_wrench")
+    kernel = mc.compile(robot, functions, folder, backend, dtype="float32")
+    verification = mc.verify(kernel, robot)
+    assert verification.passed
+    assert verification.tolerance == TOLERANCES["float32"]
+    assert TOLERANCE < verification.max_error < TOLERANCES["float32"] / 2
+    assert np.array_equal(verification.q, verification.q.astype(np.float32))
+    robot.masses = [m * sp.Rational(1003, 1000) for m in robot.masses]
+    assert not mc.verify(kernel, robot).passed
+
+
+def test_single_precision_with_parameters(folder):
+    m = sp.Symbol("m")
+    robot = mr.load("two_link")
+    robot.name, robot.masses, robot.parameters = "two_link_m", [1, m], {m: sp.Rational(1, 10)}
+    kernel = mc.compile(robot, directory=folder, dtype="float32")
+    assert mc.verify(kernel, robot).max_error < 2e-6
 
 
 @pytest.mark.parametrize("quantity", ["rotor_inertias", "viscous_friction", "coulomb_friction"])
