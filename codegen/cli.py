@@ -210,12 +210,13 @@ def _build(
 ) -> Kernel:
     """Return the kernel in its folder."""
     from moro_codegen import build
+    from moro_codegen.described import described
     from moro_codegen.generate import generate
     from moro_codegen.requested import requested
 
     start = time.perf_counter()
     program = generate(robot.model(), requested(functions, robot), robot.parameters)
-    program = replace(program, scalar=scalar)
+    program = replace(described(program, robot), scalar=scalar)
     generated = time.perf_counter() - start
     kernel = build(program, output / robot.name, backend, languages=languages, source=source)
     times["generate"] = generated + kernel.timings["emit"]

@@ -22,6 +22,7 @@ class Parameter:
 
     name: str
     default: float | None
+    #: what it is of the robot, "mass of link 2"; or ""
     description: str
 
 
@@ -55,6 +56,10 @@ class Program:
     routines: tuple[Routine, ...]
     #: what the kernel computes with
     scalar: Literal["double", "float"] = "double"
+    #: for those who read the files: of the robot's frames ("" if it is not known), and gravity in
+    #: frame 0 [m/s^2] as text (None if it was not set)
+    convention: Literal["dh", "mdh", ""] = ""
+    gravity: tuple[str, ...] | None = None
 
 
 def generate(

@@ -29,6 +29,7 @@ import numpy as np
 from filelock import FileLock
 from moro_codegen import extension, toolchain
 from moro_codegen._runtime import Function, Library, gufunc
+from moro_codegen.described import described
 from moro_codegen.emit.c import emit as emit_c
 from moro_codegen.emit.cython import emit as emit_cython
 from moro_codegen.emit.cython import package
@@ -82,7 +83,7 @@ def compile(
     model = robot.model()
     reserved = {*dir(Kernel), *Kernel.__annotations__}
     program = generate(model, requested(functions, robot, reserved), robot.parameters)
-    program = replace(program, scalar=_scalar(dtype))
+    program = replace(described(program, robot), scalar=_scalar(dtype))
     generated = time.perf_counter() - start
     return build(
         program,
@@ -383,6 +384,8 @@ def describe(
         "name": program.name,
         "dof": program.dof,
         "joint_kinds": list(program.joint_kinds),
+        "convention": program.convention,
+        "gravity": None if program.gravity is None else list(program.gravity),
         "scalar": program.scalar,
         "backend": backend,
         "key": hashlib.sha256(shaping.encode()).hexdigest(),

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from moro_codegen.described import described
 from moro_codegen.emit.describe import shape
 from moro_codegen.emit.floats import emit as emit_floats
 from moro_codegen.emit.numpy import emit as emit_numpy
@@ -54,7 +55,7 @@ def lambdify(expression: Any, robot: Robot) -> Callable[..., Any]:
         (arranged(function, graph, robot.dof, partial(formula.nodes, graph)),),
     )
     (text,) = emit_numpy(program).values()
-    signature = Signature.of(program, *program.routines)
+    signature = Signature.of(described(program, robot), *program.routines)
     general = signature.checked(in_chunks(_function(text), signature))
     return quick(_of_arrays(_function(emit_floats(program)), signature), general, signature)
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from moro_codegen.signature import Signature
 
 _UNITS = {"revolute": "rad, torque in N m", "prismatic": "m, force in N"}
+_CONVENTIONS = {"dh": "standard", "mdh": "modified"}
 _COUNTED = {
     "add": "additions",
     "sub": "subtractions",
@@ -61,7 +62,7 @@ def core_shapes(inputs: Iterable[Argument], outputs: Iterable[Argument]) -> str:
 
 
 def conventions(program: Program) -> list[str]:
-    """Return what holds for every function: joints, units, parameters."""
+    """Return what holds for every function: joints, units, frames, gravity, parameters."""
     joints = [
         f"  joint {i}: {kind} ({_UNITS[kind]})"
         for i, kind in enumerate(program.joint_kinds, start=1)
@@ -71,11 +72,17 @@ def conventions(program: Program) -> list[str]:
         "row-major.",
         *joints,
     ]
+    if program.convention:
+        name = _CONVENTIONS[program.convention]
+        lines.append(f"Frames 0 (the base) to {program.dof}: {name} Denavit-Hartenberg convention.")
+    if program.gravity is not None:
+        lines += wrapped(f"Gravity, in frame 0: ({', '.join(program.gravity)}) m/s^2.")
     if program.scalar == "float":
         lines.append("Computed in single precision.")
     if program.parameters:
         lines += ["", "Run-time parameters, in this order:"]
-        lines += [f"  {line}" for line in parameter_lines(program)]
+        for line in parameter_lines(program):
+            lines += textwrap.wrap(line, 92, initial_indent="  ", subsequent_indent=" " * 6)
     return lines
 
 
