@@ -26,7 +26,18 @@ from moro_codegen.emit.describe import (
 )
 from moro_codegen.emit.parts import Keep, Parts, Step, Take, in_parts
 from moro_codegen.emit.render import render
-from moro_codegen.emit.statements import Assign, Body, Call, Load, Names, Sines, Turn, body, literal
+from moro_codegen.emit.statements import (
+    FAR,
+    Assign,
+    Body,
+    Call,
+    Load,
+    Names,
+    Sines,
+    Turn,
+    body,
+    literal,
+)
 
 if TYPE_CHECKING:
     from moro_codegen.functions import Argument
@@ -61,7 +72,6 @@ SCALARS: dict[str, dict[str, Any]] = {
         "bits": 64,
         "widths": (8, 4, 2),
         "reducible": "1e5",
-        "far": "1e3",
         "parts": "37, 37 and 53",
         "constants": {
             "TWO_OVER_PI": 2 / math.pi,
@@ -87,7 +97,6 @@ SCALARS: dict[str, dict[str, Any]] = {
         "bits": 32,
         "widths": (16, 8, 4),
         "reducible": "1e3f",
-        "far": "32.0f",
         "parts": "11, 11, 11 and 24",
         "constants": {
             "TWO_OVER_PI": 2 / math.pi,
@@ -121,6 +130,7 @@ def emit(program: Program) -> dict[str, str]:
             title=f"{program.name}: dynamics of a robot arm with {program.dof} joints",
             real=program.scalar,
             f=f,
+            far=literal(FAR[program.scalar], f),
             sizes=sorted({2, 4, *scalar["widths"]}),
             **{**scalar, "constants": constants},
             **common,
@@ -264,7 +274,7 @@ class _Emission:
         arguments = (*self.inputs, *self.routine.outputs)
         own = (*self.local.values(), "x", "y", *(a.name for a in arguments))
         reserved = {*RESERVED, *own}
-        return body(self.program, self.routine, reserved, suffix(self.program), turned=True)
+        return body(self.program, self.routine, reserved, suffix(self.program))
 
     @cached_property
     def parts(self) -> Parts:

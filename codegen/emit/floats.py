@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import keyword
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from moro_codegen.emit.describe import all_inputs, size
-from moro_codegen.emit.numpy import NAMES, RESERVED
+from moro_codegen.emit.numpy import NAMES, RESERVED, far
 from moro_codegen.emit.render import render
-from moro_codegen.emit.statements import Assign, Call, Load, Sines, Statement, body
+from moro_codegen.emit.statements import FAR, Assign, Call, Load, Sines, Statement, Turn, body
 
 if TYPE_CHECKING:
     from moro_codegen.generate import Program, Routine
@@ -24,16 +24,16 @@ def emit(program: Program) -> str:
 
     A function takes a flat list of floats for each input, and returns one flat list a result.
     """
-    return render(
-        "floats.py.jinja", routines=[_holes(program, routine) for routine in program.routines]
-    )
+    routines = [_holes(program, routine) for routine in program.routines]
+    return render("floats.py.jinja", routines=routines, far=far(program, routines))
 
 
-def _holes(program: Program, routine: Routine) -> dict[str, object]:
+def _holes(program: Program, routine: Routine) -> dict[str, Any]:
     inputs = all_inputs(program, routine)
     arguments = {a.name for a in (*inputs, *routine.outputs)}
     text = body(program, routine, {*RESERVED, *keyword.kwlist, "float", *arguments})
-    lines = [line for statement in text.statements for line in _statement(statement)]
+    limit = FAR[program.scalar]
+    lines = [line for statement in text.statements for line in _statement(statement, limit)]
     results = iter(text.results)
     returned = [f"[{', '.join(next(results) for _ in range(size(a)))}]" for a in routine.outputs]
     return {
@@ -43,7 +43,7 @@ def _holes(program: Program, routine: Routine) -> dict[str, object]:
     }
 
 
-def _statement(statement: Statement) -> Iterator[str]:
+def _statement(statement: Statement, limit: float) -> Iterator[str]:
     match statement:
         case Load(name, argument, index):
             yield f"{name} = {argument}[{index}]"
@@ -52,6 +52,10 @@ def _statement(statement: Statement) -> Iterator[str]:
         case Call(name, function, arguments):
             call = f"np.{NAMES.get(function, function)}({', '.join(arguments)})"
             yield f"{name} = float({call})"
+        case Turn(names, angles, _):
+            for name, angle in zip(names, angles, strict=True):
+                near = f"-{limit} <= {angle} <= {limit}"
+                yield f"{name} = {angle} if {near} else _turned({angle})"
         case Sines(angles, pairs, (array, *_)):
             yield f"{array} = np.array([{', '.join(angles)}])"
             for function, names in zip(("sin", "cos"), zip(*pairs, strict=True), strict=True):

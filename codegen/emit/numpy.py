@@ -5,7 +5,7 @@ from __future__ import annotations
 import keyword
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from moro_codegen.emit.describe import (
     all_inputs,
@@ -17,7 +17,7 @@ from moro_codegen.emit.describe import (
     version,
 )
 from moro_codegen.emit.render import render
-from moro_codegen.emit.statements import Assign, Call, Load, Sines, Statement, Turn, body
+from moro_codegen.emit.statements import FAR, Assign, Call, Load, Sines, Statement, Turn, body
 
 if TYPE_CHECKING:
     from moro_codegen.generate import Program, Routine
@@ -33,17 +33,25 @@ NAMES = {
 
 def emit(program: Program) -> dict[str, str]:
     """Return the text of ``<name>.py``, by file name."""
+    routines = [_holes(program, routine) for routine in program.routines]
     text = render(
         "kernel.py.jinja",
         title=f"{program.name}: dynamics of a robot arm with {program.dof} joints.",
         version=version(),
         notes=conventions(program),
-        routines=[_holes(program, routine) for routine in program.routines],
+        routines=routines,
+        far=far(program, routines),
     )
     return {f"{program.name}.py": text}
 
 
-def _holes(program: Program, routine: Routine) -> dict[str, object]:
+def far(program: Program, routines: Sequence[Mapping[str, Any]]) -> float | None:
+    """Return the angle beyond which those that are added lose whole turns; None: none is added."""
+    lines = [line for routine in routines for line in routine["body"]]
+    return FAR[program.scalar] if any("_turned(" in line for line in lines) else None
+
+
+def _holes(program: Program, routine: Routine) -> dict[str, Any]:
     """Return what the template says of one routine."""
     inputs, outputs = all_inputs(program, routine), routine.outputs
     return {
@@ -89,8 +97,10 @@ def _forgetting(lines: Sequence[str], names: Collection[str]) -> Iterator[str]:
 
 def _computed(statement: Statement) -> list[str]:
     match statement:
-        case Load() | Turn():
+        case Load():
             return []
+        case Turn(names, _, _):
+            return list(names)
         case Assign(name, _) | Call(name, _, _):
             return [name]
         case Sines(_, pairs, _):
@@ -105,10 +115,13 @@ def _statement(statement: Statement, shapes: Mapping[str, tuple[int, ...]]) -> I
             yield f"{name} = {expression}"
         case Call(name, function, arguments):
             yield f"{name} = np.{NAMES.get(function, function)}({', '.join(arguments)})"
+        case Turn(names, angles, _):
+            for name, angle in zip(names, angles, strict=True):
+                yield f"{name} = _turned({angle})"
         case Sines(angles, pairs, _):
             for angle, (sine, cosine) in zip(angles, pairs, strict=True):
-                names = {"sin": sine, "cos": cosine}
-                used = {function: name for function, name in names.items() if name}
+                pair = {"sin": sine, "cos": cosine}
+                used = {function: name for function, name in pair.items() if name}
                 calls = ", ".join(f"np.{function}({angle})" for function in used)
                 yield f"{', '.join(used.values())} = {calls}"
 

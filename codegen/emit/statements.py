@@ -28,6 +28,9 @@ WIDTH = 76
 #: rounded to float, it and what is larger would be infinite
 FLOAT_OVERFLOW = 2.0**128 - 2.0**103
 
+#: sums of angles are rounded like their addends: larger ones than this go without whole turns
+FAR = {"double": 1e3, "float": 32.0}
+
 _SYMBOLS = {"add": ("+", 1), "sub": ("-", 1), "mul": ("*", 2), "div": ("/", 2)}
 _NEGATION, _ATOM = 3, 4
 
@@ -127,15 +130,13 @@ def body(
     routine: Routine,
     reserved: Iterable[str],
     suffix: str = "",
-    *,
-    turned: bool = False,
 ) -> Body:
     """Return the routine's statements.
 
     ``reserved`` are names that the language keeps to itself, ``suffix`` follows its constants.
-    ``turned`` brings large angles that are added to others near 0 first.
+    Large angles that are added to others are brought near 0 first.
     """
-    return _Writer(program, routine, reserved, suffix, turned).body()
+    return _Writer(program, routine, reserved, suffix).body()
 
 
 def literal(value: object, suffix: str = "") -> str:
@@ -169,7 +170,6 @@ class _Writer:
     routine: Routine
     reserved: Iterable[str]
     suffix: str = ""
-    turned: bool = False
     statements: list[Statement] = field(default_factory=list)
     texts: dict[Node, Text] = field(default_factory=dict)
     pairs: dict[Node, tuple[str, str]] = field(default_factory=dict)
@@ -188,7 +188,7 @@ class _Writer:
         """Write the angles, their sines and cosines, then everything else in order."""
         self._load_inputs()
         leading = self._needed_for(self.routine.angles)
-        inputs = self._turn(leading) if self.turned else {}
+        inputs = self._turn(leading)
         for node in self.routine.schedule:
             if node in leading:
                 self._write(node)

@@ -22,7 +22,8 @@ def test_it_says_what_it_computes():
     texts = emit(everything_program())
     assert list(texts) == ["all_ops.py"]
     tree = ast.parse(texts["all_ops.py"])
-    (function,) = (node for node in tree.body if isinstance(node, ast.FunctionDef))
+    helper, function = (node for node in tree.body if isinstance(node, ast.FunctionDef))
+    assert helper.name == "_turned"
     assert [a.arg for a in function.args.args] == ["q", "qd", "parameters"]
     doc = ast.get_docstring(function)
     for words in ("Every operation there is.", "M[2][3]", "[kg m^2]", "a matrix", "sine-cosine"):
@@ -36,3 +37,9 @@ def test_statements_have_names_of_the_theory():
     (text,) = emit(generate(reference_model("puma560"))).values()
     assert "s2, c2 = np.sin(q2), np.cos(q2)" in text
     assert "tau[..., 5] = tau6" in text
+    assert "q2_turned = _turned(q2)" in text
+
+
+def test_nothing_is_turned_where_no_angles_are_added():
+    (text,) = emit(generate(reference_model("panda"))).values()
+    assert "turned" not in text

@@ -8,7 +8,7 @@ import pytest
 from arms import random_model, reference_model
 from moro_codegen.emit import c
 from moro_codegen.emit.parts import Keep, Take, in_parts
-from moro_codegen.emit.statements import Assign, Body, Call, Load, Sines, body
+from moro_codegen.emit.statements import Assign, Body, Call, Load, Sines, Turn, body
 from moro_codegen.generate import generate
 from moro_codegen.kernel import LONG, build
 from moro_codegen.toolchain import find_compiler
@@ -58,6 +58,9 @@ def test_every_value_is_where_it_is_read(length):
                 case Sines(angles, pairs, _):
                     assert known.issuperset(read(angles))
                     known.update(name for pair in pairs for name in pair)
+                case Turn(names, angles, _):
+                    assert known.issuperset(read(angles))
+                    known.update(names)
                 case Assign(name, expression):
                     assert known.issuperset(read([expression]))
                     known.add(name)
