@@ -132,17 +132,28 @@ class Chain:
         return _times(R, self._rotation(link.angle, link.tilt))
 
     @cached_property
-    def origins(self) -> list[Vec]:
-        """Position of each link's frame in frame 0."""
+    def _positions(self) -> tuple[list[Vec], list[Vec]]:
+        """Positions in frame 0 of the links' frames, and of a point on each joint's axis."""
         r = [self.ring.zero] * 3
-        origins = []
+        origins: list[Vec] = []
+        anchors: list[Vec] = []
         for item in self._walk.items:
             if isinstance(item, _Shift):
                 shift = self._displacement(item)
                 r = _plus(r, _apply(self._segment_rotations[item.segment], shift))
-            elif isinstance(item, _End):
-                origins.append(r)
-        return origins
+            else:
+                (origins if isinstance(item, _End) else anchors).append(r)
+        return origins, anchors
+
+    @property
+    def origins(self) -> list[Vec]:
+        """Position of each link's frame in frame 0."""
+        return self._positions[0]
+
+    @property
+    def anchors(self) -> list[Vec]:
+        """A point on each joint's axis in frame 0."""
+        return self._positions[1]
 
     @cached_property
     def axes(self) -> list[Vec]:
@@ -151,19 +162,6 @@ class Chain:
             [row[2] * item.sign for row in self._segment_rotations[item.segment]]
             for item in self._walk.motions
         ]
-
-    @cached_property
-    def anchors(self) -> list[Vec]:
-        """A point on each joint's axis in frame 0."""
-        r = [self.ring.zero] * 3
-        anchors = []
-        for item in self._walk.items:
-            if isinstance(item, _Shift):
-                shift = self._displacement(item)
-                r = _plus(r, _apply(self._segment_rotations[item.segment], shift))
-            elif isinstance(item, _Motion):
-                anchors.append(r)
-        return anchors
 
     def point_in_base(self, i: int, r: Vec) -> Vec:
         """Return the position in frame 0 of a point given in frame i."""
