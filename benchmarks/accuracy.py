@@ -7,9 +7,9 @@ the torques relative to the largest torque of the state. Batches give the bits o
 which is checked. Writes accuracy.json, accuracy.svg and accuracy.png into benchmarks/results.
 """
 
+import argparse
 import json
 import platform
-import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -125,4 +125,6 @@ def main(states: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else STATES)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("states", type=int, nargs="?", default=STATES, help="states of each arm")
+    main(parser.parse_args().states)

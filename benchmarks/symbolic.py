@@ -33,7 +33,7 @@ QUANTITIES: dict[str, Callable[[Robot], Any]] = {
     "Euler-Lagrange": Robot.dynamic_model,
 }
 
-#: seconds that issue 3 of the project allows
+#: seconds that it should take at most
 LIMITS = {
     ("PUMA 560", "M"): 0.5,
     ("PUMA 560", "G"): 0.1,

@@ -112,6 +112,26 @@ def accuracy() -> str:
     return _table(("precision", "arm", "half below", "90 % below", "99 % below", "largest"), rows)
 
 
+def symbolic(kind: str) -> str:
+    """Return how long closed forms take: of whole arms, or with the number of joints ("growth")."""
+    found: dict[tuple[str, ...], dict[str, str]] = {}
+    for result in _results("symbolic")["results"]:
+        axes, _, joints = result["arm"].partition(", ")
+        if bool(joints) == (kind == "growth"):
+            times = found.setdefault((axes, *joints.split()[:1]), {})
+            times[result["quantity"]] = f"{result['seconds']:.2g} s"
+    quantities = list(dict.fromkeys(q for times in found.values() for q in times))
+    head = ("axes", "joints") if kind == "growth" else ("arm",)
+    arms = (
+        sorted(found, key=lambda arm: (arm[0] == "alternating", int(arm[-1])))
+        if len(head) > 1
+        else found
+    )
+    return _table(
+        (*head, *quantities), ([*a, *(found[a].get(q, "") for q in quantities)] for a in arms)
+    )
+
+
 def reached() -> str:
     """Return how moro compares with its peers, measure by measure."""
     return _table(
@@ -209,6 +229,7 @@ NAMES = {
         reached,
         faster,
         measured_on,
+        symbolic,
     )
 }
 #: expressions that begin like this tell of the machine at hand: no two runs are equal
