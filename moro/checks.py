@@ -23,7 +23,7 @@ _NOT_A_NUMBER = (str, bytes, bool, np.bool_, sp.MatrixBase, sp.NDimArray)
 def index(i: Any, low: int, high: int, what: str) -> int:
     """Return ``i`` as an int within low..high; TypeError or IndexError says what is wrong."""
     try:
-        if isinstance(i, bool):
+        if isinstance(i, (bool, np.bool_)):
             raise TypeError
         number = operator.index(i)
     except TypeError:
