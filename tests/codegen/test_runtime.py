@@ -19,7 +19,7 @@ from moro_codegen.generate import generate
 from moro_codegen.kernel import build
 from programs import PARAMETERS, evaluate, everything_program, program, vector
 
-SIZES = range(41)
+SIZES = range(101)
 
 
 @pytest.fixture(scope="module", params=["c", "numpy"])
