@@ -19,7 +19,7 @@ from moro.abc import t
 #: samples of a batch
 BATCH = 4096
 #: each function is timed in this many blocks of so many seconds; the fastest block counts
-BLOCKS, BLOCK = 7, 0.02
+BLOCKS, BLOCK = 5, 0.015
 #: more terms than this are too long for SymPy's lambdify to compile within seconds
 LAMBDIFY_TERMS = 10_000
 
@@ -116,6 +116,8 @@ def lambdified(arguments: Sequence[Any], expressions: Sequence[Any]) -> Callable
 def seconds(statement: str, names: dict[str, Any]) -> float:
     """Return the time of a statement [s]: the mean of a block of runs, of the fastest block."""
     timer = Timer(statement, globals=names)
-    repeats, duration = timer.autorange()
+    repeats = 1
+    while (duration := timer.timeit(repeats)) < BLOCK / 4:
+        repeats *= 4
     per_block = max(1, round(repeats * BLOCK / duration))
     return min(timer.repeat(BLOCKS, per_block)) / per_block
