@@ -22,6 +22,7 @@ from moro_codegen.graph import Constant, constant_value
 from moro_codegen.reduce import reduced
 
 from moro.algorithms.posture import Link, Moments, Posture
+from moro.algorithms.transport import about_z
 from moro.algorithms.vectors import add, scaled, transpose
 from moro.model import Scalar
 
@@ -135,7 +136,7 @@ def unturned(arm: Posture, turned: Collection[int]) -> Posture:
         if i in turned:
             link = links[i]
             sin, cos = link.sin, link.cos
-            links[i] = replace(link, sin=0, cos=1, body=about_z(link.body, sin, cos))
+            links[i] = replace(link, sin=0, cos=1, body=_turned(link.body, sin, cos))
             for k in children:
                 child = links[k]
                 angle = child.position + _parallel_sense(child) * link.position
@@ -146,20 +147,11 @@ def unturned(arm: Posture, turned: Collection[int]) -> Posture:
     return replace(arm, links=tuple(links))
 
 
-def about_z(body: Moments, sin: Scalar, cos: Scalar) -> Moments:
-    """Return the moments after turning the body about z.
-
-    With a = S_xx - S_yy, b = 2 S_xy, u = a sin + b cos, v = a cos - b sin, the moments S_xx and
-    S_yy become S_xx - u sin and S_yy + u sin, and S_xy becomes S_xy + v sin.
-    """
+def _turned(body: Moments, sin: Scalar, cos: Scalar) -> Moments:
+    """Return the moments after turning the body about z."""
     x, y, z = body.h
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.S
-    u = sin * ((xx - yy) * sin + 2 * xy * cos)
-    v = sin * ((xx - yy) * cos - 2 * xy * sin)
-    xx, xy, yy = xx - u, xy + v, yy + u
-    xz, yz = cos * xz - sin * yz, sin * xz + cos * yz
-    S = (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
-    return Moments(body.m, (cos * x - sin * y, sin * x + cos * y, z), S)
+    h = cos * x - sin * y, sin * x + cos * y, z
+    return Moments(body.m, h, about_z(body.S, sin, cos))
 
 
 def _has_parameters(arm: Posture) -> bool:

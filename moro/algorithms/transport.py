@@ -61,22 +61,25 @@ def wrench_in_parent(link: Link, wrench: Wrench) -> Wrench:
 
 
 def matrix_in_parent(link: Link, A: Matrix) -> Matrix:
-    """Return R Rz A Rz^T R^T: a matrix in the axes of a link, in those of its parent.
+    """Return R Rz A Rz^T R^T: a matrix in the axes of a link, in those of its parent."""
+    return product(product(link.R, about_z(A, link.sin, link.cos)), transpose(link.R))
 
-    Turning about z leaves A_zz, A_xx + A_yy and A_xy - A_yx alone. With a = A_xx - A_yy,
-    b = A_xy + A_yx, u = a sin + b cos, v = a cos - b sin, A_xx falls and A_yy rises by u sin, A_xy
-    and A_yx rise by v sin.
+
+def about_z(A: Matrix, sin: Scalar, cos: Scalar) -> Matrix:
+    """Return Rz A Rz^T: a matrix after turning about z.
+
+    That leaves A_zz, A_xx + A_yy and A_xy - A_yx alone. With a = A_xx - A_yy, b = A_xy + A_yx,
+    u = a sin + b cos, v = a cos - b sin, A_xx falls and A_yy rises by u sin, A_xy and A_yx rise by
+    v sin.
     """
-    sin, cos = link.sin, link.cos
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = A
     a, b = xx - yy, xy + yx
     u, v = sin * (a * sin + b * cos), sin * (a * cos - b * sin)
-    turned: Matrix = (
+    return (
         (xx - u, xy + v, cos * xz - sin * yz),
         (yx + v, yy + u, sin * xz + cos * yz),
         (cos * zx - sin * zy, sin * zx + cos * zy, zz),
     )
-    return product(product(link.R, turned), transpose(link.R))
 
 
 def moments_in_parent(link: Link, body: Moments) -> Moments:
