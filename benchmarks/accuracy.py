@@ -19,14 +19,14 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+
+import moro
+from moro.io import packaged
 from moro_codegen import build, compile
 from moro_codegen.accuracy import sine_errors, tau_errors
 from moro_codegen.functions import Argument, Function, System
 from moro_codegen.generate import Program, routine
 from moro_codegen.graph import Graph
-
-import moro
-from moro.io import packaged
 
 RESULTS = Path(__file__).parent / "results"
 STATES = 500

@@ -17,10 +17,10 @@ import timeit
 from pathlib import Path
 
 import numpy as np
-from moro_codegen import Kernel, compile
-from moro_codegen.toolchain import find_compiler
 
 import moro
+from moro_codegen import Kernel, compile
+from moro_codegen.toolchain import find_compiler
 
 ARMS = ("two_link", "puma560", "stanford_arm", "ur5", "panda")
 BATCH = 4096

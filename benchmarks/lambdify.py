@@ -11,11 +11,11 @@ here, as a matrix for each sample is what is asked for.
 import sys
 import time
 
-import moro_codegen as mc
 import numpy as np
 import sympy as sp
 
 import moro as mr
+import moro_codegen as mc
 from moro.abc import t
 
 BATCH, RUNS = 4096, 15

@@ -19,6 +19,11 @@ from collections.abc import Collection
 from pathlib import Path
 
 import sympy as sp
+
+import moro as mr
+from moro.abc import joint_variable
+from moro.algorithms.newton_euler import joint_torques
+from moro.model import Model
 from moro_codegen.convert import Converter
 from moro_codegen.factor import factored
 from moro_codegen.frames import (
@@ -32,11 +37,6 @@ from moro_codegen.functions import System
 from moro_codegen.generate import generate
 from moro_codegen.graph import Graph, count, fewest, schedule
 from moro_codegen.reduce import reduced
-
-import moro as mr
-from moro.abc import joint_variable
-from moro.algorithms.newton_euler import joint_torques
-from moro.model import Model
 
 ARMS = ("puma560", "stanford_arm", "panda", "ur5", "two_link")
 PASSES = (

@@ -14,11 +14,11 @@ import mpmath  # type: ignore[import-untyped]
 import numpy as np
 import numpy.typing as npt
 import sympy as sp
-from moro_codegen.kernel import Kernel
 
 from moro.algorithms.drives import drive_torques
 from moro.algorithms.newton_euler import inverse_dynamics
 from moro.model import Model
+from moro_codegen.kernel import Kernel
 
 Array: TypeAlias = npt.NDArray[np.floating[Any]]
 

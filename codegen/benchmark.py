@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
-from moro_codegen.emit.describe import shape
-from moro_codegen.kernel import Kernel
-from moro_codegen.verify import parameter_values
 
 from moro import Robot
 from moro.abc import t
+from moro_codegen.emit.describe import shape
+from moro_codegen.kernel import Kernel
+from moro_codegen.verify import parameter_values
 
 #: samples of a batch
 BATCH = 4096

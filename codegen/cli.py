@@ -18,11 +18,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
+    from moro import Robot
     from moro_codegen.benchmark import Timing
     from moro_codegen.kernel import Kernel
     from moro_codegen.verify import SymbolicRoute, Verification
-
-    from moro import Robot
 
 
 #: columns of --help
@@ -31,9 +30,8 @@ LANGUAGES = ("c", "cython", "python")
 
 
 def _epilog() -> str:
-    from moro_codegen import FUNCTIONS
-
     from moro.io import packaged
+    from moro_codegen import FUNCTIONS
 
     functions = [
         line

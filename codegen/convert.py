@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 import sympy as sp
+
 from moro_codegen.graph import Graph, Node
 
 #: a number times powers of nodes

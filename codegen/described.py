@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Any
 
 import sympy as sp
-from moro_codegen.generate import Program
 
 from moro.robot import Robot
+from moro_codegen.generate import Program
 
 _AXES = "xyz"
 

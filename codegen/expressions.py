@@ -15,16 +15,16 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from moro.abc import t
+from moro.robot import Robot
 from moro_codegen.convert import Converter
 from moro_codegen.emit.c import RESERVED as C_NAMES
 from moro_codegen.emit.cython import RESERVED as CYTHON_NAMES
 from moro_codegen.emit.numpy import RESERVED as NUMPY_NAMES
 from moro_codegen.functions import QD, QDD, Argument, Function, Q, System
 from moro_codegen.graph import Graph, Node
-from sympy.core.function import AppliedUndef
-
-from moro.abc import t
-from moro.robot import Robot
 
 #: what an expression can depend on besides parameters, in the order of a function's inputs
 MOTION = (Q, QD, QDD)

@@ -18,13 +18,12 @@ from collections import Counter
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 
-from moro_codegen.graph import Constant, constant_value
-from moro_codegen.reduce import reduced
-
 from moro.algorithms.posture import Link, Moments, Posture
 from moro.algorithms.transport import about_z
 from moro.algorithms.vectors import add, scaled, transpose
 from moro.model import Scalar
+from moro_codegen.graph import Constant, constant_value
+from moro_codegen.reduce import reduced
 
 #: below this sine squared of the angle between two axes, their common normal is too far away
 NEARLY_PARALLEL = 1e-3

@@ -12,11 +12,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
-from moro_codegen.differentiate import jacobian
-from moro_codegen.frames import equivalent_postures, turnable_parallels, unturned
-from moro_codegen.graph import Graph, Node, fewest, replaced
-from moro_codegen.singular import singular, unresisted
-
 from moro.algorithms.articulated_body import joint_accelerations
 from moro.algorithms.composite_rigid_body import joint_inertia
 from moro.algorithms.coriolis import joint_coriolis
@@ -28,6 +23,10 @@ from moro.algorithms.kinematics import poses, tip_jacobian, with_tip
 from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import Posture, posture
 from moro.model import Model, Scalar
+from moro_codegen.differentiate import jacobian
+from moro_codegen.frames import equivalent_postures, turnable_parallels, unturned
+from moro_codegen.graph import Graph, Node, fewest, replaced
+from moro_codegen.singular import singular, unresisted
 
 #: a dimension is a number, or "n" for the number of joints
 Shape = tuple[str | int, ...]

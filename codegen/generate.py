@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
 
+from moro.model import JointKind, Model
 from moro_codegen.convert import Converter
 from moro_codegen.factor import factored
 from moro_codegen.functions import FUNCTIONS, Argument, Function, System
 from moro_codegen.graph import Graph, Node, count, schedule
-
-from moro.model import JointKind, Model
 
 
 @dataclass(frozen=True)

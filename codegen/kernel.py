@@ -27,6 +27,9 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from filelock import FileLock
+from platformdirs import user_cache_path
+
+from moro.robot import Robot
 from moro_codegen import extension, toolchain
 from moro_codegen._runtime import Function, Library, gufunc
 from moro_codegen.described import described
@@ -40,9 +43,6 @@ from moro_codegen.quick import quick
 from moro_codegen.requested import Request, requested
 from moro_codegen.signature import Array, Run, Signature
 from moro_codegen.toolchain import Compiler, ToolchainError
-from platformdirs import user_cache_path
-
-from moro.robot import Robot
 
 Backend: TypeAlias = Literal["c", "cython", "numpy"]
 #: a language to write sources in; of the backends, Python is that with NumPy

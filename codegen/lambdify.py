@@ -8,6 +8,8 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+
+from moro.robot import Robot
 from moro_codegen.described import described
 from moro_codegen.emit.describe import shape
 from moro_codegen.emit.floats import emit as emit_floats
@@ -18,8 +20,6 @@ from moro_codegen.graph import Graph
 from moro_codegen.kernel import in_chunks
 from moro_codegen.quick import quick
 from moro_codegen.signature import Signature
-
-from moro.robot import Robot
 
 NAME = "lambdified"
 

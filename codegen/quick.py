@@ -7,6 +7,7 @@ from functools import wraps
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
 from moro_codegen.emit.describe import shape
 
 if TYPE_CHECKING:

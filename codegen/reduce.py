@@ -20,11 +20,10 @@ from dataclasses import replace
 from itertools import combinations
 from typing import NamedTuple
 
-from moro_codegen.graph import Constant, constant_value
-
 from moro.algorithms.posture import Link, Moments, Posture
 from moro.algorithms.vectors import add, times
 from moro.model import Scalar, Vector
+from moro_codegen.graph import Constant, constant_value
 
 #: masses left with outer links stay below this multiple of the mass of the arm, for accuracy
 HEAVY = 10

@@ -10,16 +10,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from moro_codegen.convert import Converter
-from moro_codegen.functions import QD, QDD, Argument, Function, Outputs, Q, System
-from moro_codegen.graph import Node
-
 from moro.algorithms.kinematics import with_tip
 from moro.algorithms.posture import Posture
 from moro.algorithms.regressor import PARAMETERS, body_regressor
 from moro.algorithms.vectors import add, scaled, transpose
 from moro.model import Model, Scalar
 from moro.robot import Robot
+from moro_codegen.convert import Converter
+from moro_codegen.functions import QD, QDD, Argument, Function, Outputs, Q, System
+from moro_codegen.graph import Node
 
 
 def _of_no_robot(*_: object) -> Outputs:

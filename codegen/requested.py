@@ -7,12 +7,11 @@ import re
 from collections.abc import Collection, Sequence
 from typing import TypeAlias
 
+from moro.robot import Robot
 from moro_codegen.expressions import UserFunction
 from moro_codegen.functions import FUNCTIONS, Function
 from moro_codegen.regressor import REGRESSOR, regressor
 from moro_codegen.together import together
-
-from moro.robot import Robot
 
 #: the functions that have a name
 KNOWN = {**FUNCTIONS, REGRESSOR.name: REGRESSOR}

@@ -16,11 +16,12 @@ from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
+
 from moro_codegen.emit.describe import all_inputs, argument_lines, core_shapes, operations, shape
 from moro_codegen.functions import Argument
 from moro_codegen.generate import Parameter, Program, Routine
 from moro_codegen.threads import WORTHWHILE, in_threads
-from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[np.floating[Any]]
 #: fills arrays of results: run(inputs, results)

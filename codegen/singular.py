@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from moro_codegen.graph import constant_value
 
 from moro.algorithms.composite_rigid_body import joint_inertia
 from moro.algorithms.posture import posture
 from moro.model import Model, Scalar
+from moro_codegen.graph import constant_value
 
 #: inertias below these are rounding: of one joint, against the arm's largest; of several together,
 #: against each of theirs

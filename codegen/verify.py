@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+
+from moro import Robot
 from moro_codegen.kernel import Kernel
 from moro_codegen.requested import KNOWN
 from moro_codegen.symbolic_route import Array, Dynamics, SymbolicRoute
-
-from moro import Robot
 
 __all__ = [
     "CHECKS",

@@ -20,11 +20,10 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from benchmarks.figures import faster_peers, figures
 from moro_codegen import FUNCTIONS
 from moro_codegen.functions import Argument
 from moro_codegen.toolchain import find_compiler
-
-from benchmarks.figures import faster_peers, figures
 
 ROOT = Path(__file__).resolve().parent.parent
 BLOCK = re.compile(r"^(<!-- write: ([^\n]+) -->\n)(.*?)^(<!-- end -->)$", re.MULTILINE | re.DOTALL)

@@ -2,11 +2,11 @@
 
 import itertools
 
-import moro_codegen as mc
 import numpy as np
 import pytest
 import sympy as sp
 
+import moro_codegen as mc
 from benchmarks import arms, figures, measures, native, peers, report, timing
 from benchmarks.peers import moro as ours
 from benchmarks.tasks import TASKS

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 import sympy as sp
-from moro_codegen.benchmark import LAMBDIFY_TERMS, lambdify_tau
-from moro_codegen.verify import SymbolicRoute
 
 from benchmarks.arms import Arm
 from benchmarks.native import Loop
 from benchmarks.tasks import Call, Task
+from moro_codegen.benchmark import LAMBDIFY_TERMS, lambdify_tau
+from moro_codegen.verify import SymbolicRoute
 
 NAME = "SymPy lambdify"
 

@@ -6,14 +6,14 @@ import tempfile
 from collections.abc import Iterator
 from importlib import metadata
 
-import moro_codegen as mc
 import numpy as np
-from moro_codegen.toolchain import find_compiler
 
+import moro_codegen as mc
 from benchmarks.arms import Arm
 from benchmarks.native import LIBRARIES, Loop, library
 from benchmarks.tasks import Call, Task
 from benchmarks.timing import seconds_of
+from moro_codegen.toolchain import find_compiler
 
 MADE = CALL = "moro"
 BATCH = "moro, batch"

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
 from moro_codegen.emit.describe import shape, size
 
 if TYPE_CHECKING:

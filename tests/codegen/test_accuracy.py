@@ -2,16 +2,16 @@
 
 from types import SimpleNamespace
 
-import moro_codegen as mc
 import mpmath
 import numpy as np
 import pytest
 import sympy as sp
 from arms import NAMES, reference_model, reference_states
-from moro_codegen.accuracy import exact_tau, sine_errors, tau_errors
 
 import moro as mr
+import moro_codegen as mc
 from moro.abc import q1, q2
+from moro_codegen.accuracy import exact_tau, sine_errors, tau_errors
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from moro_codegen import FUNCTIONS, Kernel
 
 ROBOTS = Path(__file__).parents[2] / "moro" / "robots"

@@ -1,16 +1,16 @@
 """Headers, modules and manifests say the frames, gravity, and what run-time parameters are."""
 
-import moro_codegen as mc
 import pytest
 import sympy as sp
+from programs import everything_program
+
+import moro as mr
+import moro_codegen as mc
+from moro.abc import l1, l2, q1, q2
 from moro_codegen.described import described, meanings
 from moro_codegen.emit.c import emit as emit_c
 from moro_codegen.emit.numpy import emit as emit_numpy
 from moro_codegen.generate import generate
-from programs import everything_program
-
-import moro as mr
-from moro.abc import l1, l2, q1, q2
 
 M2, G, V, C, IZ = sp.symbols("m_2 g v c I_z")
 

@@ -2,20 +2,20 @@
 
 import random
 
-import moro_codegen as mc
 import numpy as np
 import pytest
 import sympy as sp
 from arms import NAMES
+from precise import differences, evaluate
+from robots import random_robot
+
+import moro as mr
+import moro_codegen as mc
 from moro_codegen.convert import Converter
 from moro_codegen.differentiate import jacobian
 from moro_codegen.functions import FUNCTIONS, System
 from moro_codegen.generate import generate
 from moro_codegen.graph import Graph, count, schedule
-from precise import differences, evaluate
-from robots import random_robot
-
-import moro as mr
 
 #: no inertia resists joint 6 of the UR5 as it is published: it has no forward dynamics
 DYNAMIC = [name for name in NAMES if name != "ur5"]

@@ -8,11 +8,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from arms import NAMES, reference_model, reference_states
+from programs import EVERYTHING, evaluate, everything_program, program, vector
+
 from moro_codegen.emit.c import emit
 from moro_codegen.functions import Function
 from moro_codegen.generate import generate
 from moro_codegen.toolchain import find_compiler
-from programs import EVERYTHING, evaluate, everything_program, program, vector
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 COMPILERS = [name for name in ("cc", "gcc", "clang") if shutil.which(name)]

@@ -5,15 +5,16 @@ import subprocess
 import sys
 from pathlib import Path
 
-import moro_codegen as mc
 import numpy as np
 import pytest
+from programs import EVERYTHING, PARAMETERS, everything_program, program, vector
+
+import moro_codegen as mc
 from moro_codegen import extension
 from moro_codegen.emit.cython import emit
 from moro_codegen.functions import Argument, Function
 from moro_codegen.kernel import build, sources
 from moro_codegen.toolchain import ToolchainError, find_compiler
-from programs import EVERYTHING, PARAMETERS, everything_program, program, vector
 
 MATRIX = Function(
     "of_a_matrix",

@@ -3,9 +3,10 @@
 import ast
 
 from arms import reference_model
+from programs import everything_program
+
 from moro_codegen.emit.numpy import emit
 from moro_codegen.generate import generate
-from programs import everything_program
 
 
 def test_it_imports_numpy_only():

@@ -3,9 +3,10 @@
 import mpmath
 import numpy as np
 import pytest
+from programs import program, vector
+
 from moro_codegen.functions import Function
 from moro_codegen.kernel import build
-from programs import program, vector
 
 COUNTS = range(1, 10)
 LIMIT = 1e5

@@ -1,14 +1,14 @@
 """Functions of one's own: any expression of the motion and the parameters, in every backend."""
 
-import moro_codegen as mc
 import numpy as np
 import pytest
 import sympy as sp
-from moro_codegen.expressions import UserFunction, results_of
-from moro_codegen.requested import requested
 
 import moro as mr
+import moro_codegen as mc
 from moro.abc import l1, l2, q1, q2, q3, t
+from moro_codegen.expressions import UserFunction, results_of
+from moro_codegen.requested import requested
 
 QD1, QD2 = q1.diff(t), q2.diff(t)
 

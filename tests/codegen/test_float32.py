@@ -4,19 +4,19 @@ import shutil
 import subprocess
 from dataclasses import replace
 
-import moro_codegen as mc
 import mpmath
 import numpy as np
 import pytest
 from arms import NAMES, reference_model, reference_states
+from programs import everything_program, program, vector
+
+import moro as mr
+import moro_codegen as mc
 from moro_codegen.emit.c import emit
 from moro_codegen.emit.statements import literal
 from moro_codegen.functions import Function
 from moro_codegen.generate import generate
 from moro_codegen.kernel import build
-from programs import everything_program, program, vector
-
-import moro as mr
 
 STRICT = (
     "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror",

@@ -4,21 +4,16 @@ import random
 from dataclasses import replace
 from fractions import Fraction
 
-import moro_codegen as mc
 import numpy as np
 import pytest
 import sympy as sp
 from arms import NAMES, numeric, sincos
 from dynamics import arrays, exact_case
 from exact import exact_values, rational
-from moro_codegen.convert import Converter
-from moro_codegen.frames import equivalent_postures
-from moro_codegen.functions import FUNCTIONS, System
-from moro_codegen.generate import generate
-from moro_codegen.graph import Graph, count, schedule
 from robots import random_robot
 
 import moro as mr
+import moro_codegen as mc
 from moro.abc import q1, q2, q3, q4
 from moro.algorithms.articulated_body import forward_dynamics, joint_accelerations
 from moro.algorithms.composite_rigid_body import inertia_matrix, joint_inertia
@@ -29,6 +24,11 @@ from moro.algorithms.external_wrench import inverse_dynamics_in_contact
 from moro.algorithms.factorization import factorized, solution
 from moro.algorithms.kinematics import forward_kinematics, jacobian
 from moro.algorithms.newton_euler import inverse_dynamics, joint_torques
+from moro_codegen.convert import Converter
+from moro_codegen.frames import equivalent_postures
+from moro_codegen.functions import FUNCTIONS, System
+from moro_codegen.generate import generate
+from moro_codegen.graph import Graph, count, schedule
 
 
 class Algorithms:

@@ -16,7 +16,6 @@ from arms import (
     sincos,
 )
 from exact import exact_arm, exact_state, exact_values, point_torques
-from moro_codegen.generate import generate
 from programs import evaluate
 
 import moro as mr
@@ -24,6 +23,7 @@ from moro import Robot
 from moro.abc import q1, q2, q3
 from moro.algorithms.drives import drive_torques
 from moro.algorithms.newton_euler import inverse_dynamics
+from moro_codegen.generate import generate
 
 #: additions, subtractions and multiplications of tau without friction and rotor inertia
 OPERATIONS = {"puma560": 276, "stanford_arm": 228, "panda": 519, "ur5": 206, "two_link": 23}

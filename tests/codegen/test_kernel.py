@@ -8,17 +8,17 @@ import sys
 import threading
 from pathlib import Path
 
-import moro_codegen as mc
 import numpy as np
 import pytest
 from arms import reference_model, reference_states
+from programs import everything_program, program, vector
+
+import moro as mr
+import moro_codegen as mc
 from moro_codegen.functions import Function
 from moro_codegen.generate import generate
 from moro_codegen.kernel import build
 from moro_codegen.toolchain import ToolchainError, find_compiler
-from programs import everything_program, program, vector
-
-import moro as mr
 
 
 def affine(factor, name="affine"):

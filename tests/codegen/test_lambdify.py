@@ -2,12 +2,12 @@
 
 import inspect
 
-import moro_codegen as mc
 import numpy as np
 import pytest
 import sympy as sp
 
 import moro as mr
+import moro_codegen as mc
 from moro.abc import l1, l2, q1, q2, t
 
 

@@ -6,13 +6,14 @@ from functools import partial
 import numpy as np
 import pytest
 from arms import random_model, reference_model
+from programs import evaluate, everything_program
+
 from moro_codegen.emit import c
 from moro_codegen.emit.parts import Keep, Take, in_parts
 from moro_codegen.emit.statements import Assign, Body, Call, Load, Sines, Turn, body
 from moro_codegen.generate import generate
 from moro_codegen.kernel import LONG, build
 from moro_codegen.toolchain import find_compiler
-from programs import evaluate, everything_program
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 

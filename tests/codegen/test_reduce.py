@@ -7,6 +7,10 @@ import numpy as np
 import pytest
 from arms import numeric, reference_model, sincos
 from exact import exact_arm, exact_state, exact_values, point_torques
+from programs import evaluate
+
+from moro.algorithms.newton_euler import inverse_dynamics, joint_torques
+from moro.model import Placement
 from moro_codegen.convert import Converter
 from moro_codegen.frames import (
     equivalent_postures,
@@ -20,10 +24,6 @@ from moro_codegen.functions import System
 from moro_codegen.generate import generate
 from moro_codegen.graph import Graph, constant_value
 from moro_codegen.reduce import reduced
-from programs import evaluate
-
-from moro.algorithms.newton_euler import inverse_dynamics, joint_torques
-from moro.model import Placement
 
 SEEDS = range(12)
 

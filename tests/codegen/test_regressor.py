@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 import sympy as sp
 from arms import NAMES
+from programs import evaluate
+from robots import random_robot
+
+import moro as mr
+from moro.abc import t
 from moro_codegen.convert import Converter
 from moro_codegen.functions import System
 from moro_codegen.generate import generate, routine
 from moro_codegen.graph import Graph
 from moro_codegen.kernel import build
 from moro_codegen.regressor import regressor
-from programs import evaluate
-from robots import random_robot
-
-import moro as mr
-from moro.abc import t
 
 
 def states(n, count=10):

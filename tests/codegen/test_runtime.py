@@ -12,12 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from arms import random_model, reference_model, reference_states
+from programs import PARAMETERS, evaluate, everything_program, program, vector
+
 from moro_codegen import Kernel
 from moro_codegen._runtime import Function, Library, gufunc
 from moro_codegen.functions import Function as Entry
 from moro_codegen.generate import generate
 from moro_codegen.kernel import build
-from programs import PARAMETERS, evaluate, everything_program, program, vector
 
 SIZES = range(101)
 

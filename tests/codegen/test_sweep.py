@@ -5,14 +5,14 @@ The longest tests there are: `pytest -m "not sweep"` leaves them out.
 
 import random
 
-import moro_codegen as mc
 import numpy as np
 import pytest
 from arms import NAMES
-from moro_codegen.verify import SymbolicRoute
 from robots import random_robot
 
 import moro as mr
+import moro_codegen as mc
+from moro_codegen.verify import SymbolicRoute
 
 pytestmark = pytest.mark.sweep
 

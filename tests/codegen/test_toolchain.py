@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from moro_codegen.toolchain import CANDIDATES, ToolchainError, build, find_compiler
 
 GOOD = "double twice(double x);\ndouble twice(double x) { return 2 * x; }\n"

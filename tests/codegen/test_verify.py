@@ -2,16 +2,16 @@
 
 import random
 
-import moro_codegen as mc
 import numpy as np
 import pytest
 import sympy as sp
 from arms import NAMES, reference_states
-from moro_codegen.verify import CHECKS, TOLERANCE, TOLERANCES, SymbolicRoute
 from robots import random_robot
 
 import moro as mr
+import moro_codegen as mc
 from moro.abc import l1, l2, q1, q2
+from moro_codegen.verify import CHECKS, TOLERANCE, TOLERANCES, SymbolicRoute
 
 
 @pytest.fixture(scope="module")

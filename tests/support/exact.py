@@ -8,9 +8,9 @@ import operator
 from fractions import Fraction
 
 import numpy as np
-from moro_codegen.graph import schedule
 
 from moro.model import Body, Joint, Model, Placement
+from moro_codegen.graph import schedule
 
 
 class Series:

@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import mpmath
 import numpy as np
+
 from moro_codegen.graph import schedule
 
 DIGITS = 60

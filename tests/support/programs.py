@@ -3,11 +3,11 @@
 import math
 
 import numpy as np
+
+from moro.model import Body, Joint, Model, Placement
 from moro_codegen.functions import Argument, Function, System
 from moro_codegen.generate import Parameter, Program, routine
 from moro_codegen.graph import Graph
-
-from moro.model import Body, Joint, Model, Placement
 
 EYE = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
