@@ -8,8 +8,9 @@ Function        a SymPy expression as one more function to compile
 ToolchainError  no C compiler that works
 """
 
+from moro_codegen.builder import build, compile
 from moro_codegen.expressions import UserFunction as Function
-from moro_codegen.kernel import Kernel, build, compile
+from moro_codegen.kernel import Kernel
 from moro_codegen.lambdify import lambdify
 from moro_codegen.requested import KNOWN as FUNCTIONS
 from moro_codegen.toolchain import ToolchainError

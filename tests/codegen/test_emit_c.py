@@ -327,7 +327,7 @@ def test_random_expressions_keep_their_structure(tmp_path):
         return [nodes[-12:]]
 
     one = program(Function("f", (vector("q"),), (vector("y", 12),), "", build), name="tree")
-    from moro_codegen.kernel import build as build_kernel
+    from moro_codegen.builder import build as build_kernel
 
     kernel = build_kernel(one, tmp_path / "tree")
     q = rng.integers(-9, 10, (20, 3)).astype(float)

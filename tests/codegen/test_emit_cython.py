@@ -11,9 +11,9 @@ from programs import EVERYTHING, PARAMETERS, everything_program, program, vector
 
 import moro_codegen as mc
 from moro_codegen import extension
+from moro_codegen.builder import build, sources
 from moro_codegen.emit.cython import emit
 from moro_codegen.functions import Argument, Function
-from moro_codegen.kernel import build, sources
 from moro_codegen.toolchain import ToolchainError, find_compiler
 
 MATRIX = Function(

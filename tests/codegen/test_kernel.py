@@ -15,9 +15,9 @@ from programs import everything_program, program, vector
 
 import moro as mr
 import moro_codegen as mc
+from moro_codegen.builder import build
 from moro_codegen.functions import Function
 from moro_codegen.generate import generate
-from moro_codegen.kernel import build
 from moro_codegen.toolchain import ToolchainError, find_compiler
 
 

@@ -12,11 +12,11 @@ from robots import random_robot
 
 import moro as mr
 from moro.abc import t
+from moro_codegen.builder import build
 from moro_codegen.convert import Converter
 from moro_codegen.functions import System
 from moro_codegen.generate import generate, routine
 from moro_codegen.graph import Graph
-from moro_codegen.kernel import build
 from moro_codegen.regressor import regressor
 
 

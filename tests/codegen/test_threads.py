@@ -11,8 +11,8 @@ from arms import reference_model
 from programs import everything_program
 
 from moro_codegen import signature
+from moro_codegen.builder import build
 from moro_codegen.generate import generate
-from moro_codegen.kernel import build
 from moro_codegen.threads import in_threads
 
 
