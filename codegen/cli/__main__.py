@@ -1,0 +1,5 @@
+"""``python -m moro_codegen.cli``."""
+
+from moro_codegen.cli.command import main
+
+main()

@@ -1,0 +1,156 @@
+"""``moro-codegen robot.yaml``: from the description of an arm to a verified, compiled kernel."""
+
+from __future__ import annotations
+
+import difflib
+import sys
+import textwrap
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from moro_codegen.cli.given import read
+from moro_codegen.toolchain import ToolchainError
+
+#: what a person can cause: bad input, no compiler, a folder that cannot be written
+EXPECTED = (ValueError, TypeError, OSError, ToolchainError)
+#: columns of --help
+WIDTH = 78
+LANGUAGES = ("c", "cython", "python")
+
+
+def _epilog() -> str:
+    from moro.io import packaged
+    from moro_codegen import FUNCTIONS
+
+    functions = [
+        line
+        for function in FUNCTIONS.values()
+        for line in (f"  {function.name}", *_indented(function.summary))
+    ]
+    return "\n\n".join(
+        [
+            "\b\n" + "\n".join(["Functions:", *functions]),
+            f"Packaged arms: {', '.join(packaged())}.",
+            "Exit code: 0 if the kernel verified, 1 if it did not, 2 if something given was wrong.",
+        ]
+    )
+
+
+def _indented(text: str) -> list[str]:
+    return textwrap.wrap(text, WIDTH, initial_indent=" " * 6, subsequent_indent=" " * 6)
+
+
+class _Names(click.ParamType):  # type: ignore[type-arg]
+    """Names with commas between them, of those there are; ``+`` joins what is done together."""
+
+    name = "names"
+
+    def __init__(self, there: Iterable[str], joined: bool = False) -> None:
+        self.there = tuple(there)
+        self.joined = joined
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[Any, ...]:
+        if not isinstance(value, str):
+            return tuple(value)
+        items = [item.strip() for item in value.split(",") if item.strip()]
+        names = [item.split("+") if self.joined else [item] for item in items]
+        for name in (name for group in names for name in group):
+            if name not in self.there:
+                near = difflib.get_close_matches(name, self.there, n=1)
+                hint = f"did you mean {near[0]!r}? " if near else ""
+                self.fail(f"no {name!r}; {hint}there are {', '.join(self.there)}.", param, ctx)
+        if not names:
+            self.fail(f"none given; there are {', '.join(self.there)}.", param, ctx)
+        return tuple(tuple(group) if len(group) > 1 else group[0] for group in names)
+
+
+def _functions() -> _Names:
+    from moro_codegen import FUNCTIONS
+
+    return _Names(FUNCTIONS, joined=True)
+
+
+@click.command(
+    epilog=_epilog(),
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": WIDTH + 2},
+)
+@click.argument("robot")
+@click.option(
+    "-f",
+    "--functions",
+    type=_functions(),
+    default="tau",
+    show_default=True,
+    help="What to generate, as listed below, with commas in between; a+b are two in one call.",
+)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("build"),
+    show_default=True,
+    help="Folder in which the kernel gets a folder of its own, named like the robot.",
+)
+@click.option(
+    "--backend",
+    type=click.Choice(["c", "cython", "numpy"]),
+    default="c",
+    show_default=True,
+    help="Compiled C, a Cython extension, or a Python module with NumPy, which needs no compiler.",
+)
+@click.option(
+    "--scalar",
+    type=click.Choice(["double", "float"]),
+    default="double",
+    show_default=True,
+    help="What the kernel computes with; float is single precision, not with cython.",
+)
+@click.option(
+    "--emit",
+    "languages",
+    type=_Names(LANGUAGES),
+    default=(),
+    help="Sources to write besides: c, cython (a package that pip installs without moro), python.",
+)
+@click.option("--no-benchmark", is_flag=True, help="Leave out the times per call.")
+@click.version_option(package_name="moro", prog_name="moro-codegen")
+def main(
+    robot: str,
+    functions: tuple[Any, ...],
+    output: Path,
+    backend: str,
+    scalar: str,
+    languages: tuple[str, ...],
+    no_benchmark: bool,
+) -> None:
+    """Make a compiled kernel of an arm's dynamics, and prove it.
+
+    ROBOT is a robot.yaml, or the name of a packaged arm. The equations of motion are derived
+    symbolically; a kernel, by default tau(q, qd, qdd), is generated on an independent route,
+    compiled, compared with the equations at random and awkward states, and timed. BUILD/NAME/ gets
+    the C source, its header, the shared library and a manifest.
+    """
+    try:
+        arm, source = read(robot)
+        # what follows needs SymPy and NumPy; a file that is refused does not
+        from moro_codegen.cli.job import Order, run
+        from moro_codegen.cli.table import show
+
+        order = Order(functions, output, backend, scalar, languages, not no_benchmark)
+        outcome = run(arm, order, source)
+        show(outcome)
+    except EXPECTED as error:
+        click.echo(f"moro-codegen: error: {_message(error)}", err=True)
+        sys.exit(2)
+    sys.exit(0 if outcome.verification.passed else 1)
+
+
+def _message(error: Exception) -> str:
+    if isinstance(error, OSError) and error.filename:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)

@@ -1,0 +1,93 @@
+"""The whole job of the command: derive, generate, compile, compare, time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from moro import Robot
+from moro_codegen.benchmark import LAMBDIFY_TERMS, Timing, lambdify_tau, time_function, time_tau
+from moro_codegen.cli.progress import step
+from moro_codegen.described import described
+from moro_codegen.generate import generate
+from moro_codegen.kernel import Kernel, build, compile
+from moro_codegen.requested import requested
+from moro_codegen.verify import SymbolicRoute, Verification, verify
+
+
+@dataclass(frozen=True)
+class Order:
+    """What the command was asked for, besides the robot."""
+
+    functions: tuple[Any, ...]
+    output: Path
+    backend: Any
+    scalar: Any
+    languages: Any
+    benchmark: bool
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of it."""
+
+    robot: Robot
+    kernel: Kernel
+    route: SymbolicRoute
+    verification: Verification
+    #: how long each step took [s]: "derive", "generate", "compile", "verify"
+    times: Mapping[str, float]
+    timings: tuple[Timing, ...]
+
+
+def run(robot: Robot, order: Order, source: Mapping[str, str]) -> Outcome:
+    """Return the verified kernel of a robot; ``source`` is what the manifest says of its file."""
+    times: dict[str, float] = {}
+    with step("deriving the equations of motion", times, "derive"):
+        route = SymbolicRoute(robot)
+    with step("generating and compiling", times):
+        kernel = _built(robot, order, source, times)
+    with step("comparing the kernel with the equations", times, "verify"):
+        verification = verify(kernel, robot, route=route)
+    timings: list[Timing] = []
+    if order.benchmark:
+        with step("timing", times):
+            timings = _timings(kernel, robot, route)
+    return Outcome(robot, kernel, route, verification, times, tuple(timings))
+
+
+def _built(
+    robot: Robot, order: Order, source: Mapping[str, str], times: dict[str, float]
+) -> Kernel:
+    """Return the kernel in its folder."""
+    start = time.perf_counter()
+    program = generate(robot.model(), requested(order.functions, robot), robot.parameters)
+    program = replace(described(program, robot), scalar=order.scalar)
+    generated = time.perf_counter() - start
+    folder = order.output / robot.name
+    kernel = build(program, folder, order.backend, languages=order.languages, source=source)
+    times["generate"] = generated + kernel.timings["emit"]
+    times["compile"] = kernel.timings["compile"]
+    return kernel
+
+
+def _timings(kernel: Kernel, robot: Robot, route: SymbolicRoute) -> list[Timing]:
+    """Time tau, also as NumPy code and as the equations through lambdify; and the others."""
+    others = [
+        timing
+        for name in kernel.signatures
+        if name != "tau"
+        for timing in time_function(kernel, robot, name)
+    ]
+    if "tau" not in kernel.signatures:
+        return others
+    short = route.is_closed_form and route.terms <= LAMBDIFY_TERMS
+    lambdified = lambdify_tau(robot) if short else None
+    with TemporaryDirectory() as folder:
+        dtype = kernel.signatures["tau"].dtype
+        in_numpy = compile(robot, directory=folder, backend="numpy", dtype=dtype)
+        return [*time_tau(kernel, in_numpy, robot, lambdified), *others]
