@@ -33,7 +33,7 @@ from moro_codegen.emit.cython import package
 from moro_codegen.emit.describe import version
 from moro_codegen.emit.numpy import emit as emit_numpy
 from moro_codegen.generate import Program, generate
-from moro_codegen.kernel import Backend, Kernel, cython_folder
+from moro_codegen.kernel import Backend, Kernel, cython_folder, library
 from moro_codegen.requested import Request, requested
 from moro_codegen.signature import Signature
 from moro_codegen.store import FORMAT
@@ -222,7 +222,7 @@ def _install(
             (new / name).write_text(text, encoding="utf-8")
         name = manifest["name"]
         if manifest["backend"] == "c" and compiler is not None:
-            toolchain.build(compiler, new / f"{name}.c", new / f"{name}.so")
+            toolchain.build(compiler, new / f"{name}.c", new / library(name))
         elif manifest["backend"] == "cython" and compiler is not None:
             extension.build(compiler, new / cython_folder(name), package(name))
         files = {path: store.digest(new / path) for path in store.paths(new)}

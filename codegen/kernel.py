@@ -89,9 +89,6 @@ class Kernel:
             f"(compile(robot, functions=(...)) makes others)"
         )
 
-    def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self.signatures]
-
     def __repr__(self) -> str:
         functions = ", ".join(
             f"{name} ({sum(ops.get(op, 0) for op in ('add', 'sub', 'mul', 'div'))} operations)"
@@ -110,16 +107,16 @@ class Kernel:
         """Yield the functions of the shared library."""
         self.source = self.directory / f"{self.name}.c"
         self.header = self.directory / f"{self.name}.h"
-        self.library = self.directory / f"{self.name}.so"
-        library = Library(str(self.library))
+        self.library = self.directory / library(self.name)
+        opened = Library(str(self.library))
         for name, s in self.signatures.items():
             symbol = f"{self.name}_{name}"
             counts = len(s.inputs), len(s.outputs)
-            batch = gufunc(library, f"{symbol}_loop", symbol, s.core, *counts, s.dtype)
+            batch = gufunc(opened, f"{symbol}_loop", symbol, s.core, *counts, s.dtype)
             defaults = [p.default for p in s.parameters if p.default is not None]
             parameters = len(s.parameters), None if len(defaults) < len(s.parameters) else defaults
             function = Function(
-                library,
+                opened,
                 symbol,
                 batch,
                 name,
@@ -202,6 +199,11 @@ def in_chunks(function: Callable[..., Any], signature: Signature) -> Run:
             result[...] = value.reshape(result.shape)
 
     return run
+
+
+def library(name: str) -> str:
+    """Return the name of a robot's shared library; ``import name`` finds the NumPy module."""
+    return f"lib{name}.so"
 
 
 def cython_folder(name: str) -> str:

@@ -16,7 +16,7 @@ from filelock import FileLock
 
 MANIFEST = "manifest.json"
 #: of the manifest and of what the runtime expects in a library
-FORMAT = 1
+FORMAT = 2
 
 
 def is_current(folder: Path, manifest: Mapping[str, Any]) -> bool:

@@ -36,7 +36,7 @@ def test_whole_job(tmp_path):
         "the same in NumPy",
         "SymPy lambdify",
         "x the kernel",
-        "build/puma560/: manifest.json, puma560.c, puma560.h, puma560.so",
+        "build/puma560/: libpuma560.so, manifest.json, puma560.c, puma560.h",
     ):
         assert row in done.stdout
     manifest = json.loads((tmp_path / "build/puma560/manifest.json").read_text())
@@ -90,7 +90,7 @@ def test_functions_and_languages(tmp_path):
         "error of tau_derivatives ",
         "verified: 84 states",
         "ns per sample of 4096",
-        "manifest.json, two_link.c, two_link.h, two_link.py, two_link.so, two_link_cython/",
+        "libtwo_link.so, manifest.json, two_link.c, two_link.h, two_link.py, two_link_cython/",
     ):
         assert row in done.stdout
     kernel = Kernel(tmp_path / "build" / "two_link")
@@ -100,7 +100,7 @@ def test_functions_and_languages(tmp_path):
     again = run("two_link", "-f", "tau", "--no-benchmark", cwd=tmp_path)
     assert "operations   " in again.stdout
     assert {path.name for path in (tmp_path / "build/two_link").iterdir()} == {
-        "manifest.json", "two_link.c", "two_link.h", "two_link.so",
+        "manifest.json", "two_link.c", "two_link.h", "libtwo_link.so",
     }  # fmt: skip
 
 
