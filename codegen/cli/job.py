@@ -11,10 +11,11 @@ from typing import Any
 
 from moro import Robot
 from moro_codegen.benchmark import LAMBDIFY_TERMS, Timing, lambdify_tau, time_function, time_tau
+from moro_codegen.builder import build, compile
 from moro_codegen.cli.progress import step
 from moro_codegen.described import described
 from moro_codegen.generate import generate
-from moro_codegen.kernel import Kernel, build, compile
+from moro_codegen.kernel import Kernel
 from moro_codegen.requested import requested
 from moro_codegen.verify import SymbolicRoute, Verification, verify
 
