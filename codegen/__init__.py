@@ -8,13 +8,17 @@ Function        a SymPy expression as one more function to compile
 ToolchainError  no C compiler that works
 """
 
-from moro_codegen.builder import build, compile
-from moro_codegen.expressions import UserFunction as Function
-from moro_codegen.kernel import Kernel
-from moro_codegen.lambdify import lambdify
-from moro_codegen.requested import KNOWN as FUNCTIONS
-from moro_codegen.toolchain import ToolchainError
-from moro_codegen.verify import Verification, verify
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from moro_codegen.builder import build, compile
+    from moro_codegen.expressions import UserFunction as Function
+    from moro_codegen.functions import KNOWN as FUNCTIONS
+    from moro_codegen.kernel import Kernel
+    from moro_codegen.lambdified import lambdify
+    from moro_codegen.toolchain import ToolchainError
+    from moro_codegen.verification import Verification, verify
 
 __all__ = [
     "FUNCTIONS",
@@ -27,3 +31,27 @@ __all__ = [
     "lambdify",
     "verify",
 ]
+
+#: where names are, imported when they are first asked for: help needs neither SymPy nor NumPy
+_HOMES = {
+    "FUNCTIONS": "moro_codegen.functions:KNOWN",
+    "Function": "moro_codegen.expressions:UserFunction",
+    "Kernel": "moro_codegen.kernel:Kernel",
+    "ToolchainError": "moro_codegen.toolchain:ToolchainError",
+    "Verification": "moro_codegen.verification:Verification",
+    "build": "moro_codegen.builder:build",
+    "compile": "moro_codegen.builder:compile",
+    "lambdify": "moro_codegen.lambdified:lambdify",
+    "verify": "moro_codegen.verification:verify",
+}
+
+if not TYPE_CHECKING:  # which knows the names above, and finds others wrong
+
+    def __getattr__(name: str) -> Any:
+        if name not in _HOMES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        value = globals()[name] = resolve_name(_HOMES[name])
+        return value
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *_HOMES})

@@ -14,7 +14,7 @@ from moro import Robot
 from moro.abc import t
 from moro_codegen.emit.describe import shape
 from moro_codegen.kernel import Kernel
-from moro_codegen.verify import parameter_values
+from moro_codegen.verification import parameter_values
 
 #: samples of a batch
 BATCH = 4096

@@ -233,6 +233,10 @@ def _potential_energy(system: System, q: Sequence[Node]) -> Outputs:
     return [system.geometry(q, lambda arm: [energy_of_position(arm)])]
 
 
+def _of_no_robot(*_: object) -> Outputs:
+    raise ValueError("the regressor is that of a robot: compile(robot, functions=('regressor',))")
+
+
 def _flat(rows: Iterable[Iterable[Scalar]]) -> list[Scalar]:
     return list(chain.from_iterable(rows))
 
@@ -377,3 +381,19 @@ FUNCTIONS = {
         ),
     )
 }
+
+#: what is known of it without a robot (``regressor.regressor``); b is the number of base parameters
+REGRESSOR = Function(
+    "regressor",
+    (Q, QD, QDD),
+    (
+        Argument("Y", ("n", "b"), "SI", "torques (forces) per unit of each base parameter"),
+        Argument("p", ("b",), "SI", "base parameters, with the values of the model"),
+    ),
+    "Regressor: tau = Y(q, qd, qdd) p, friction and rotor inertia included.",
+    _of_no_robot,
+    "body regressors (Atkeson, An & Hollerbach), columns of base parameters",
+)
+
+#: the functions that have a name
+KNOWN = {**FUNCTIONS, REGRESSOR.name: REGRESSOR}

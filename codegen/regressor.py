@@ -17,26 +17,8 @@ from moro.algorithms.vectors import add, scaled, transpose
 from moro.model import Model, Scalar
 from moro.robot import Robot
 from moro_codegen.convert import Converter
-from moro_codegen.functions import QD, QDD, Argument, Function, Outputs, Q, System
+from moro_codegen.functions import REGRESSOR, Function, Outputs, System
 from moro_codegen.graph import Node
-
-
-def _of_no_robot(*_: object) -> Outputs:
-    raise ValueError("the regressor is that of a robot: compile(robot, functions=('regressor',))")
-
-
-#: what is known of it without a robot; b is the number of base parameters
-REGRESSOR = Function(
-    "regressor",
-    (Q, QD, QDD),
-    (
-        Argument("Y", ("n", "b"), "SI", "torques (forces) per unit of each base parameter"),
-        Argument("p", ("b",), "SI", "base parameters, with the values of the model"),
-    ),
-    "Regressor: tau = Y(q, qd, qdd) p, friction and rotor inertia included.",
-    _of_no_robot,
-    "body regressors (Atkeson, An & Hollerbach), columns of base parameters",
-)
 
 
 def regressor(robot: Robot) -> Function:

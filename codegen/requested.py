@@ -9,12 +9,9 @@ from typing import TypeAlias
 
 from moro.robot import Robot
 from moro_codegen.expressions import UserFunction
-from moro_codegen.functions import FUNCTIONS, Function
-from moro_codegen.regressor import REGRESSOR, regressor
+from moro_codegen.functions import FUNCTIONS, KNOWN, REGRESSOR, Function
+from moro_codegen.regressor import regressor
 from moro_codegen.together import together
-
-#: the functions that have a name
-KNOWN = {**FUNCTIONS, REGRESSOR.name: REGRESSOR}
 
 #: a name of KNOWN, a function of one's own, or a tuple of these to be computed together
 Request: TypeAlias = str | UserFunction | tuple[str | UserFunction, ...]

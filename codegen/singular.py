@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from moro.algorithms.composite_rigid_body import joint_inertia
 from moro.algorithms.posture import posture
 from moro.model import Model, Scalar
@@ -22,6 +20,8 @@ def unresisted(model: Model, rotors: Sequence[Scalar]) -> list[int]:
     Looked for in numbers, at a random posture. A model with run-time parameters is taken to have
     inertia everywhere.
     """
+    import numpy as np  # the catalogue of functions is read without it, for --help
+
     try:
         model, inertias = model.map(_number), [_number(x) for x in rotors]
     except TypeError:

@@ -8,11 +8,40 @@
 ``moro_codegen`` makes compiled kernels of the same robots.
 """
 
-from moro.collected import Collected
-from moro.model import Body, Joint, Model, Placement
-from moro.robot import Robot
-from moro.tables import Table
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, Any
 
-load = Robot.load
+if TYPE_CHECKING:
+    from moro import abc as abc
+    from moro.collected import Collected
+    from moro.model import Body, Joint, Model, Placement
+    from moro.robot import Robot
+    from moro.tables import Table
+
+    load = Robot.load
 
 __all__ = ["Body", "Collected", "Joint", "Model", "Placement", "Robot", "Table", "load"]
+
+#: where names are, imported when they are first asked for: reading a file needs no SymPy
+_HOMES = {
+    "Body": "moro.model:Body",
+    "Collected": "moro.collected:Collected",
+    "Joint": "moro.model:Joint",
+    "Model": "moro.model:Model",
+    "Placement": "moro.model:Placement",
+    "Robot": "moro.robot:Robot",
+    "Table": "moro.tables:Table",
+    "abc": "moro.abc",
+    "load": "moro.robot:Robot.load",
+}
+
+if not TYPE_CHECKING:  # which knows the names above, and finds others wrong
+
+    def __getattr__(name: str) -> Any:
+        if name not in _HOMES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        value = globals()[name] = resolve_name(_HOMES[name])
+        return value
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *_HOMES})

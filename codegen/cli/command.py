@@ -11,6 +11,8 @@ from typing import Any
 
 import click
 
+from moro.io import packaged
+from moro_codegen import FUNCTIONS
 from moro_codegen.cli.given import read
 from moro_codegen.toolchain import ToolchainError
 
@@ -22,9 +24,6 @@ LANGUAGES = ("c", "cython", "python")
 
 
 def _epilog() -> str:
-    from moro.io import packaged
-    from moro_codegen import FUNCTIONS
-
     functions = [
         line
         for function in FUNCTIONS.values()
@@ -69,12 +68,6 @@ class _Names(click.ParamType):  # type: ignore[type-arg]
         return tuple(tuple(group) if len(group) > 1 else group[0] for group in names)
 
 
-def _functions() -> _Names:
-    from moro_codegen import FUNCTIONS
-
-    return _Names(FUNCTIONS, joined=True)
-
-
 @click.command(
     epilog=_epilog(),
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": WIDTH + 2},
@@ -83,7 +76,7 @@ def _functions() -> _Names:
 @click.option(
     "-f",
     "--functions",
-    type=_functions(),
+    type=_Names(FUNCTIONS, joined=True),
     default="tau",
     show_default=True,
     help="What to generate, as listed below, with commas in between; a+b are two in one call.",

@@ -17,7 +17,7 @@ from moro_codegen.described import described
 from moro_codegen.generate import generate
 from moro_codegen.kernel import Kernel
 from moro_codegen.requested import requested
-from moro_codegen.verify import SymbolicRoute, Verification, verify
+from moro_codegen.verification import SymbolicRoute, Verification, verify
 
 
 @dataclass(frozen=True)

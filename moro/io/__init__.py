@@ -27,9 +27,10 @@ def load(source: str | os.PathLike[str]) -> Robot:
     Raises RobotFileError, a ValueError, that lists all that is wrong with the file, with lines and
     fields. Warns (RobotFileWarning) of what is legal but probably not meant.
     """
-    from .build import robot
+    file = read(source)
+    from .build import robot  # after what may refuse the file without SymPy
 
-    return robot(read(source))
+    return robot(file)
 
 
 def read(source: str | os.PathLike[str]) -> RobotFile:

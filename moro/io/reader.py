@@ -8,14 +8,14 @@ import os
 import sys
 import warnings
 from pathlib import Path
-
-from pydantic import ValidationError
+from typing import TYPE_CHECKING
 
 from . import names
-from .document import MAX_SIZE, DocumentError, Scalar, Table, compose, place
+from .document import MAX_ITEMS, MAX_SIZE, DocumentError, Scalar, Table, compose, place
 from .errors import Problem, RobotFileError, RobotFileWarning
-from .plausibility import remarks
-from .schema import MAX_LINKS, Context, RobotFile, problems
+
+if TYPE_CHECKING:
+    from .schema import RobotFile
 
 
 def read(path: str | os.PathLike[str], *, warn: bool = True) -> RobotFile:
@@ -32,6 +32,12 @@ def read(path: str | os.PathLike[str], *, warn: bool = True) -> RobotFile:
     if not isinstance(tree, Table):
         message = "expected `links:` with one entry for each joint"
         raise RobotFileError(shown, [Problem(tree.line, "", message)])
+    # what the values say needs SymPy: a path or a text that is none is refused without
+    from pydantic import ValidationError
+
+    from .plausibility import remarks
+    from .schema import Context, RobotFile, problems
+
     if "name" not in tree:
         tree["name"] = Scalar(names.identifier(Path(path).stem), "str", tree.line)
         tree.lines["name"] = tree.line
@@ -74,7 +80,7 @@ def _text(path: Path, shown: str) -> str:
         raise refuse(f"cannot be read: {reason}") from None
     if len(data) > MAX_SIZE:
         raise refuse(
-            f"is larger than {MAX_SIZE // 1_000_000} MB; an arm has at most {MAX_LINKS} links,"
+            f"is larger than {MAX_SIZE // 1_000_000} MB; an arm has at most {MAX_ITEMS} links,"
             " which take a few kB"
         )
     try:

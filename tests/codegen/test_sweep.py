@@ -12,7 +12,7 @@ from robots import random_robot
 
 import moro as mr
 import moro_codegen as mc
-from moro_codegen.verify import SymbolicRoute
+from moro_codegen.verification import SymbolicRoute
 
 pytestmark = pytest.mark.sweep
 

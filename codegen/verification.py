@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from moro import Robot
+from moro_codegen.functions import KNOWN
 from moro_codegen.kernel import Kernel
-from moro_codegen.requested import KNOWN
 from moro_codegen.symbolic_route import Array, Dynamics, SymbolicRoute
 
 __all__ = [
