@@ -4,7 +4,7 @@ BIN := .venv/bin
 # setuptools warns of every editable installation
 INSTALL := PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet
 
-.PHONY: demo test lint docs figures bench clean
+.PHONY: demo test lint docs dist-check figures bench clean
 .DELETE_ON_ERROR:
 
 demo: .venv/installed
@@ -25,6 +25,10 @@ docs: .venv/docs
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs docs/_build/html
 	@echo docs/_build/html/index.html
 
+# sdist and wheel, built, installed and used in a temporary folder
+dist-check: .venv/dist
+	$(BIN)/python .ci/dist_check.py
+
 figures: .venv/docs
 	$(BIN)/python docs/figures/draw.py
 
@@ -32,7 +36,7 @@ bench: benchmarks/.peers/installed
 	@benchmarks/.peers/bin/python -m benchmarks $(BENCH)
 
 clean:
-	rm -rf docs/_build .venv benchmarks/.peers build/bdist.* build/lib* build/temp.* *.egg-info codegen/_runtime.c codegen/*.so
+	rm -rf docs/_build .venv benchmarks/.peers build/bdist.* build/lib* build/temp.* *.egg-info codegen/*.so
 
 .venv/bin/python:
 	@echo "setting up .venv (half a minute or so)"
@@ -49,6 +53,10 @@ clean:
 
 .venv/docs: .venv/installed
 	@$(INSTALL) --editable ".[docs]"
+	touch $@
+
+.venv/dist: .venv/installed
+	@$(INSTALL) --group dist
 	touch $@
 
 # an environment of its own: moro never needs its peers; one that cannot be installed is left out

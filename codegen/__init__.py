@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from moro_codegen.toolchain import ToolchainError
     from moro_codegen.verification import Verification, verify
 
+# sees to it that `import moro` finds the moro that belongs here
+from moro_codegen import installation as installation
+
 __all__ = [
     "FUNCTIONS",
     "Function",

@@ -24,13 +24,13 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from platformdirs import user_cache_path
 
+import moro
 from moro.robot import Robot
 from moro_codegen import extension, store, toolchain
 from moro_codegen.described import described
 from moro_codegen.emit.c import emit as emit_c
 from moro_codegen.emit.cython import emit as emit_cython
 from moro_codegen.emit.cython import package
-from moro_codegen.emit.describe import version
 from moro_codegen.emit.numpy import emit as emit_numpy
 from moro_codegen.generate import Program, generate
 from moro_codegen.kernel import Backend, Kernel, cython_folder, library
@@ -199,7 +199,7 @@ def describe(
         "input": dict(source or {}),
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "versions": {
-            "moro": version(),
+            "moro": moro.__version__,
             "python": platform.python_version(),
             "numpy": np.__version__,
             "sympy": metadata.version("sympy"),

@@ -1,15 +1,16 @@
 """Sphinx configuration. ``make docs`` builds docs/_build/html, which needs no network to read."""
 
 import sys
-from importlib import metadata
 from pathlib import Path
 
 import ziamath
 
+import moro
+
 sys.path.insert(0, str(Path(__file__).parent / "_extensions"))
 
 project = "moro"
-release = metadata.version("moro")
+release = moro.__version__
 
 extensions = ["mathml", "reports", "myst_parser", "sphinx.ext.autodoc"]
 exclude_patterns = ["_build"]

@@ -20,7 +20,19 @@ if TYPE_CHECKING:
 
     load = Robot.load
 
-__all__ = ["Body", "Collected", "Joint", "Model", "Placement", "Robot", "Table", "load"]
+__version__ = "0.1.0"
+
+__all__ = [
+    "Body",
+    "Collected",
+    "Joint",
+    "Model",
+    "Placement",
+    "Robot",
+    "Table",
+    "__version__",
+    "load",
+]
 
 #: where names are, imported when they are first asked for: reading a file needs no SymPy
 _HOMES = {

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+import moro
+
 ROOT = Path(__file__).parents[1]
 PACKAGES = {"moro": ROOT / "moro", "moro_codegen": ROOT / "codegen"}
 
@@ -137,7 +139,7 @@ def test_names_come_when_they_are_asked_for(package):
     ("arguments", "said"),
     [
         (["--help"], "Functions:"),
-        (["--version"], "moro-codegen, version"),
+        (["--version"], f"moro-codegen {moro.__version__}"),
         (["pma560"], "did you mean `puma560`"),
         (["two_link", "-f", "tua"], "did you mean 'tau'"),
         (["broken.yaml"], "not YAML: a list is not closed"),

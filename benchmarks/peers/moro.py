@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterator
-from importlib import metadata
 
 import numpy as np
 
+import moro
 import moro_codegen as mc
 from benchmarks.arms import Arm
 from benchmarks.native import LIBRARIES, Loop, library
@@ -18,7 +18,7 @@ from moro_codegen.toolchain import find_compiler
 MADE = CALL = "moro"
 BATCH = "moro, batch"
 
-VERSIONS = {"moro": metadata.version("moro")}
+VERSIONS = {"moro": moro.__version__}
 FLAGS = find_compiler().flags
 KERNELS = LIBRARIES / "kernels"
 

@@ -14,6 +14,7 @@ import click
 from moro.io import packaged
 from moro_codegen import FUNCTIONS
 from moro_codegen.cli.given import read
+from moro_codegen.installation import versions
 from moro_codegen.toolchain import ToolchainError
 
 #: what a person can cause: bad input, no compiler, a folder that cannot be written
@@ -68,6 +69,12 @@ class _Names(click.ParamType):  # type: ignore[type-arg]
         return tuple(tuple(group) if len(group) > 1 else group[0] for group in names)
 
 
+def _print_versions(context: click.Context, _: click.Parameter, asked: bool) -> None:
+    if asked:
+        click.echo(versions())
+        context.exit()
+
+
 @click.command(
     epilog=_epilog(),
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": WIDTH + 2},
@@ -111,7 +118,14 @@ class _Names(click.ParamType):  # type: ignore[type-arg]
     help="Sources to write besides: c, cython (a package that pip installs without moro), python.",
 )
 @click.option("--no-benchmark", is_flag=True, help="Leave out the times per call.")
-@click.version_option(package_name="moro", prog_name="moro-codegen")
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_versions,
+    help="Print the versions that a report of a fault should name, and leave.",
+)
 def main(
     robot: str,
     functions: tuple[Any, ...],

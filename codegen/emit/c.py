@@ -21,7 +21,6 @@ from moro_codegen.emit.describe import (
     operations,
     shape,
     size,
-    version,
     wrapped,
 )
 from moro_codegen.emit.parts import Keep, Parts, Step, Take, in_parts
@@ -123,7 +122,7 @@ def emit(program: Program) -> dict[str, str]:
     scalar = SCALARS[program.scalar]
     f = suffix(program)
     constants = [(name, literal(value, f)) for name, value in scalar["constants"].items()]
-    common = {"version": version(), "header": header, "routines": routines}
+    common = {"header": header, "routines": routines}
     return {
         f"{program.name}.c": render(
             "kernel.c.jinja",

@@ -18,7 +18,6 @@ from moro_codegen.emit.describe import (
     operations,
     shape,
     size,
-    version,
     wrapped,
 )
 from moro_codegen.emit.render import render
@@ -54,7 +53,6 @@ def emit(program: Program) -> dict[str, str]:
         "name": program.name,
         "package": inside,
         "title": f"{program.name}: dynamics of a robot arm with {program.dof} joints",
-        "version": version(),
         "notes": conventions(program),
         "flags": FLAGS,
         "defaults": [p.default for p in program.parameters],

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Iterable
-from functools import cache
-from importlib import metadata
 from typing import TYPE_CHECKING
 
 from moro_codegen.functions import Argument
@@ -26,12 +24,6 @@ _COUNTED = {
     "sign": "signs",
     "call": "calls of libm",
 }
-
-
-@cache
-def version() -> str:
-    """Return moro's version."""
-    return metadata.version("moro")
 
 
 def all_inputs(program: Program, routine: Routine) -> tuple[Argument, ...]:

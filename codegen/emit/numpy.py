@@ -14,7 +14,6 @@ from moro_codegen.emit.describe import (
     operations,
     shape,
     size,
-    version,
 )
 from moro_codegen.emit.render import render
 from moro_codegen.emit.statements import FAR, Assign, Call, Load, Sines, Statement, Turn, body
@@ -37,7 +36,6 @@ def emit(program: Program) -> dict[str, str]:
     text = render(
         "kernel.py.jinja",
         title=f"{program.name}: dynamics of a robot arm with {program.dof} joints.",
-        version=version(),
         notes=conventions(program),
         routines=routines,
         far=far(program, routines),

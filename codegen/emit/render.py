@@ -7,6 +7,8 @@ from typing import Any
 
 import jinja2
 
+import moro
+
 
 def render(template: str, **holes: Any) -> str:
     """Return a template of ``moro_codegen.templates`` with its holes filled."""
@@ -15,7 +17,7 @@ def render(template: str, **holes: Any) -> str:
 
 @cache
 def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
+    environment = jinja2.Environment(
         loader=jinja2.PackageLoader("moro_codegen.templates", ""),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
@@ -23,3 +25,5 @@ def _environment() -> jinja2.Environment:
         keep_trailing_newline=True,
         autoescape=False,  # noqa: S701 - C and Python, not HTML
     )
+    environment.globals["version"] = moro.__version__
+    return environment

@@ -15,7 +15,7 @@ ROBOTS = Path(__file__).parents[2] / "moro" / "robots"
 
 
 def run(*arguments, cwd, **environment):
-    command = [sys.executable, "-m", "moro_codegen.cli", *map(str, arguments)]
+    command = [sys.executable, "-m", "moro_codegen", *map(str, arguments)]
     variables = os.environ | {"COLUMNS": "100"} | environment
     return subprocess.run(
         command, cwd=cwd, env=variables, capture_output=True, text=True, check=False, timeout=120

@@ -1,5 +1,0 @@
-"""``python -m moro_codegen.cli``."""
-
-from moro_codegen.cli.command import main
-
-main()
