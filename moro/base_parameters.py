@@ -31,6 +31,7 @@ from moro.chain import Row
 from moro.closed_form import Arm
 from moro.display import Display
 from moro.independence import Independence
+from moro.plain import in_decimals, prefers_decimals
 from moro.standard_parameters import (
     BODY,
     MOMENTS,
@@ -101,8 +102,14 @@ class BaseParameters(Sequence[BaseParameter]):
 
     @property
     def table(self) -> Table:
-        """Symbol, combination, value (if all are short enough) and unit; fractions as decimals."""
-        columns = [self.symbols, map(_decimals, self.combinations), map(_decimals, self.values)]
+        """Symbol, combination, value (if all are short enough) and unit; decimals where there are.
+
+        Numbers are decimals in the whole table as soon as one is a fifth, a tenth or finer than a
+        twelfth.
+        """
+        columns = [self.symbols, list(self.combinations), list(self.values)]
+        if prefers_decimals(x for column in columns for x in column):
+            columns = [[in_decimals(x) for x in column] for column in columns]
         rows = [(*row, x.unit) for row, x in zip(zip(*columns, strict=True), self, strict=True)]
         headings = ("parameter", "combination", "value", "unit")
         if all(len(str(value)) <= _SHORT for _, _, value, _ in rows):
@@ -168,11 +175,6 @@ def _combination(form: Form, display: Display) -> Any:
         outer = display.ring.expanded(Trig(display.ring, {m: first * c}))
         brackets[inner] = brackets.get(inner, 0) + outer
     return sp.Add(*(outer * inner for inner, outer in brackets.items()))
-
-
-def _decimals(expr: Any) -> Any:
-    fractions = {x for x in expr.atoms(sp.Rational) if not x.is_Integer and abs(x.q) > 12}
-    return expr.xreplace({x: sp.Float(x, 6) for x in fractions})
 
 
 def _unit_of(parameter: Standard, arm: Arm) -> str:

@@ -9,17 +9,16 @@ from typing import Any
 
 import sympy as sp
 
-from moro.equations import Equation, html_table, latex_rows
+from moro.equations import Equation
 from moro.markup import markup
 from moro.notation import Notation
+from moro.notebook import Equations, Shown
+from moro.plain import plain
 from moro.typeset import scripts
-
-#: longer than this, Jupyter gets plain text
-_MAX_NOTEBOOK_LINES = 200
 
 
 @dataclass(frozen=True)
-class Collected:
+class Collected(Shown):
     """A matrix whose entries are written in named constants.
 
     The names are the same in all results of one robot: k_1, k_2, ... for M, C and the energies,
@@ -54,12 +53,10 @@ class Collected:
         return self._expanded()
 
     @property
-    def equations(self) -> list[Any]:
+    def equations(self) -> Equations:
         """Rows of the matrix as equations, where they have right-hand sides."""
-        return [
-            sp.Eq(left, right, evaluate=False)
-            for left, right in zip(self.matrix, self.right, strict=False)
-        ]
+        sides = zip(self.matrix, self.right, strict=False)
+        return Equations((sp.Eq(*both, evaluate=False) for both in sides), self._notation)
 
     def entries(self) -> Iterator[tuple[tuple[int, ...], Any]]:
         """Yield (indices from 1, entry), of a symmetric matrix those on and above the diagonal."""
@@ -76,10 +73,11 @@ class Collected:
     def __str__(self) -> str:
         places = (str(list(indices)) if indices else "" for indices, _ in self.entries())
         lines = [
-            f"{self.name}{at} = {x}" for at, (_, x) in zip(places, self.entries(), strict=True)
+            f"{self.name}{at} = {plain(x)}"
+            for at, (_, x) in zip(places, self.entries(), strict=True)
         ]
         if self.constants:
-            lines += ["where", *(f"{name} = {x}" for name, x in self.constants.items())]
+            lines += ["where", *(f"{name} = {plain(x)}" for name, x in self.constants.items())]
         return "\n".join(lines)
 
     __repr__ = __str__
@@ -89,20 +87,6 @@ class Collected:
         write = self._notation.formula
         definitions = [Equation(write(name), write(x)) for name, x in self.constants.items()]
         return [*self._entry_formulas(), *definitions]
-
-    def latex(self, width: float = 60.0) -> str:
-        """Return entries and constants as an ``aligned`` environment, lines ``width`` em wide."""
-        body = " \\\\\n".join(latex_rows(self.formulas(), width))
-        return f"\\begin{{aligned}}\n{body}\n\\end{{aligned}}"
-
-    def html(self, width: float = 60.0) -> str:
-        """Return entries and constants as a table with MathML, lines ``width`` em wide."""
-        return html_table(self.formulas(), width)
-
-    def _repr_latex_(self) -> str | None:
-        """In Jupyter; None, for plain text, if that would be too much for it."""
-        code = self.latex()
-        return f"$\\displaystyle {code}$" if code.count("\n") <= _MAX_NOTEBOOK_LINES else None
 
     def _entry_formulas(self) -> Iterator[Equation]:
         comma = "," if max(self.matrix.shape) > 9 else ""

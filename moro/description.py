@@ -13,7 +13,8 @@ from moro.abc import t
 from moro.closed_form import Arm
 from moro.from_dh import model_from_dh
 from moro.model import Model
-from moro.notation import MAX_DENOMINATOR, Notation
+from moro.notation import Notation
+from moro.plain import natural, prefers_decimals
 from moro.rows import given_rows, read_convention, read_rows
 from moro.tables import Table
 
@@ -38,7 +39,7 @@ class Description:
         self._rotor_inertias: tuple[Any, ...] | None = None
         self._viscous_friction: tuple[Any, ...] | None = None
         self._coulomb_friction: tuple[tuple[Any, Any], ...] | None = None
-        self._joint_limits: tuple[tuple[Any, Any], ...] | None = None
+        self._joint_limits: tuple[tuple[Any, Any] | None, ...] | None = None
         self._defaults: dict[Any, Any] = {}
         self._assumed: set[str] = set()
         self._with_floats: set[str] = set()
@@ -90,25 +91,26 @@ class Description:
 
     @property
     def dh_parameters(self) -> list[tuple[Any, ...]]:
-        """The rows as they were given, (a, alpha, d, theta, type)."""
-        return [
-            (*map(sp.sympify, given[:4]), row.kind)
-            for given, row in zip(self._rows_as_given, self._rows, strict=True)
-        ]
+        """The rows as they were given, (a, alpha, d, theta); ``joint_types`` has their types."""
+        return [tuple(map(sp.sympify, given[:4])) for given in self._rows_as_given]
 
     @property
     def dh_table(self) -> Table:
-        """The rows as a table that prints in text, LaTeX and Jupyter."""
+        """The rows and types as a table that prints in text, LaTeX and Jupyter."""
         headings = ("i", "a", "alpha", "d", "theta", "type")
-        rows = [(i, *row) for i, row in enumerate(self.dh_parameters, 1)]
+        joints = zip(self.dh_parameters, self.joint_types, strict=True)
+        rows = [(i, *row, kind) for i, (row, kind) in enumerate(joints, 1)]
         return Table(headings, rows, self._notation)
 
     @property
     def joint_limits(self) -> list[tuple[Any, Any]]:
-        """(lower, upper) of each joint [rad or m]; by default -pi..pi and 0..1000."""
-        if self._joint_limits is not None:
-            return list(self._joint_limits)
-        return [_REVOLUTE_LIMITS if row.kind == "r" else _PRISMATIC_LIMITS for row in self._rows]
+        """(lower, upper) of each joint [rad or m]; -pi..pi and 0..1000 are assumed without.
+
+        Set None instead of all pairs, or of one, where there are none.
+        """
+        assumed = [_REVOLUTE_LIMITS if x == "r" else _PRISMATIC_LIMITS for x in self.joint_types]
+        given = self._joint_limits or [None] * self.dof
+        return [own or other for own, other in zip(given, assumed, strict=True)]
 
     @joint_limits.setter
     def joint_limits(self, limits: Any) -> None:
@@ -117,7 +119,8 @@ class Description:
             return
         pairs = checks.groups(limits, self.dof, "joint_limits", of="joint")
         self._joint_limits = tuple(
-            checks.limits(pair, f"limits of joint {i}") for i, pair in enumerate(pairs, 1)
+            None if pair is None else checks.limits(pair, f"limits of joint {i}")
+            for i, pair in enumerate(pairs, 1)
         )
 
     @property
@@ -238,7 +241,7 @@ class Description:
         free = set().union(*(x.free_symbols for x in self._constants())) - {t, *self.qs}
         _unlike_names(free)
         ordered = [s for s in self._defaults if s in free]
-        ordered += sorted(free - set(ordered), key=lambda s: sp.default_sort_key(s))
+        ordered += sorted(free - set(ordered), key=lambda s: natural(s.name))
         return {s: self._defaults.get(s) for s in ordered}
 
     @parameters.setter
@@ -275,10 +278,9 @@ class Description:
         rows = [("rows", "given", f"{self.dof}, {self._convention}, {''.join(self.joint_types)}")]
         for name, use in _QUANTITIES.items():
             value = getattr(self, f"_{name}")
-            if name in self._assumed:
-                rows.append((name, "assumed", _brief(getattr(self, name))))
-            elif value is not None:
-                rows.append((name, "given", _brief(getattr(self, name))))
+            if value is not None:
+                state = "assumed" if name in self._assumed else "given"
+                rows.append((name, state, _brief(getattr(self, name))))
             elif name == "joint_limits":
                 rows.append((name, "assumed", _brief(self.joint_limits)))
             else:
@@ -309,6 +311,9 @@ class Description:
     def _repr_latex_(self) -> str:
         return self.dh_table._repr_latex_()
 
+    def _repr_html_(self) -> str:
+        return self.dh_table._repr_html_()
+
     # -- state -------------------------------------------------------------------------------------
 
     def _forget(self) -> None:
@@ -316,8 +321,7 @@ class Description:
 
     @property
     def _notation(self) -> Notation:
-        fractions = {x for values in self._constants() for x in values.atoms(sp.Rational)}
-        decimals = any(x.q in (5, 10) or x.q > MAX_DENOMINATOR for x in fractions)
+        decimals = prefers_decimals(self._constants())
         return Notation(self.qs, self.parameters, decimals=decimals)
 
     def _set(self, name: str, new: Any, given: Any) -> None:
@@ -456,5 +460,11 @@ def _symbol(key: Any) -> Any:
 
 
 def _brief(value: Any) -> str:
-    text = str([x.tolist() if isinstance(x, sp.MatrixBase) else x for x in value])
+    text = str([_listed(x) for x in value])
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _listed(x: Any) -> Any:
+    if not isinstance(x, sp.MatrixBase):
+        return x
+    return list(x) if x.cols == 1 else x.tolist()

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from moro.typeset import Formula, Line, broken, latex, mathml, width
+from moro.markup import markup
+from moro.typeset import Formula, Line, broken, latex, mathml, matrix, width
 
 #: the relation sign with its spaces [em]
 _RELATION = 1.5
@@ -25,6 +27,27 @@ class Row:
 
     left: Formula | None
     line: Line
+
+
+def entries(name: str, M: Any, write: Callable[[Any], Formula]) -> Iterator[Equation]:
+    """Yield the entries of a matrix that are not zero, of a symmetric one those from M_ii on."""
+    count, columns = M.shape
+    comma = "," if max(M.shape) > 9 else ""
+    symmetric = count == columns > 1 and M == M.T
+    single = f"({name})" if "_" in name or "^" in name else name
+    for i in range(count):
+        for j in range(i if symmetric else 0, columns):
+            if M[i, j] != 0:
+                at = comma.join(map(str, (i + 1, j + 1) if columns > 1 else (i + 1,)))
+                yield Equation(markup(f"{single}_{{{at}}}"), write(M[i, j]))
+
+
+def in_brackets(name: str, M: Any, write: Callable[[Any], Formula], limit: float) -> list[Equation]:
+    """Return a matrix in one equation if that is no wider than ``limit`` [em], else its entries."""
+    whole = Equation(markup(name), [matrix([[write(x) for x in row] for row in M.tolist()])])
+    if width(whole.left) + _RELATION + width(whole.right) <= limit:
+        return [whole]
+    return list(entries(name, M, write))
 
 
 def rows(equations: Sequence[Equation], limit: float) -> Iterator[Row]:
@@ -72,6 +95,11 @@ def _html_row(row: Row) -> str:
     relation = "" if row.left is None else "<math><mo>=</mo></math>"
     right = math(row.line.boxes)
     return f"<tr><td>{left}</td><td>{relation}</td><td{indent}>{right}</td></tr>"
+
+
+def math_lines(formula: Formula, limit: float) -> str:
+    """Return a formula as MathML, broken into lines ``limit`` em wide."""
+    return "<br/>".join(math(line.boxes) for line in broken(formula, limit))
 
 
 def math(formula: Formula) -> str:

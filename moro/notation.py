@@ -15,6 +15,7 @@ from typing import Any
 import sympy as sp
 
 from moro.markup import markup
+from moro.plain import MAX_DENOMINATOR, ends, natural
 from moro.typeset import (
     CLOSE,
     GREEK,
@@ -38,8 +39,8 @@ from moro.typeset import (
     width,
 )
 
-#: fractions with larger denominators are printed as decimals
-MAX_DENOMINATOR = 12
+#: fractions of pi with larger denominators, 1 degree being pi/180, are printed as decimals
+_MAX_IN_ANGLE = 360
 #: a bracket wider than this goes to the end of its product [em]
 _LONG_BRACKET = 36.0
 #: a numerator wider than this stands behind its fraction [em]
@@ -87,7 +88,11 @@ class Notation:
         self._factors: dict[Any, _Part] = {}
 
     def formula(self, expr: Any) -> Formula:
-        """Return an expression as a formula."""
+        """Return an expression, a matrix, or an equation of either, as a formula."""
+        if isinstance(expr, sp.Eq):
+            return [*self.formula(expr.lhs), *markup("="), *self.formula(expr.rhs)]
+        if getattr(expr, "is_Matrix", False):
+            return self._matrix(expr)
         terms = sorted(map(self._term, sp.Add.make_args(sp.sympify(expr))), key=_by_key)
         terms.insert(0, terms.pop(_first_to_write(terms)))
         formula: Formula = []
@@ -101,9 +106,16 @@ class Notation:
 
     def latex(self, expr: Any) -> str:
         """Return an expression or a matrix in LaTeX, for math mode."""
-        if isinstance(expr, sp.MatrixBase):
-            return matrix([[self.formula(x) for x in row] for row in expr.tolist()]).latex
         return latex(self.formula(expr))
+
+    def _matrix(self, expr: Any) -> Formula:
+        """Return a matrix in brackets, or a sum of products of such."""
+        if isinstance(expr, sp.MatAdd):
+            first, *others = map(self.formula, expr.args)
+            return [*first, *(box for term in others for box in [PLUS, *term])]
+        if isinstance(expr, sp.MatMul):
+            return _joined(map(self.formula, expr.args))
+        return [matrix([[self.formula(x) for x in row] for row in expr.tolist()])]
 
     # -- terms ------------------------------------------------------------------------------------
 
@@ -117,15 +129,18 @@ class Notation:
             elif factor != 1:
                 above.append(factor)
         factors = sorted(map(self._factor, above), key=_by_key)
-        boxes = self._quotient(abs(coefficient), factors, below)
+        finest = _MAX_IN_ANGLE if sp.pi in above else MAX_DENOMINATOR
+        boxes = self._quotient(abs(coefficient), factors, below, finest)
         key = self._term_key(factors)
         return _Part(key, boxes, bool(coefficient < 0), key[0])
 
-    def _quotient(self, c: Any, factors: Sequence[_Part], below: Sequence[Any]) -> Formula:
+    def _quotient(
+        self, c: Any, factors: Sequence[_Part], below: Sequence[Any], finest: int
+    ) -> Formula:
         """Return c * factors / below, a fraction where it stays small."""
         above = _joined(factor.boxes for factor in factors)
         plain = all(factor.key[0] == 0 for factor in factors)
-        if (below or (plain and above)) and self._is_fraction(c):
+        if (below or (plain and above)) and _is_fraction(c, finest):
             below, c = [sp.Integer(c.q), *below], sp.Integer(c.p)
         if not below:
             return _joined([self._number(c), above]) if c != 1 or not above else above
@@ -234,9 +249,6 @@ class Notation:
             return markup(comma.join(str(i) for i in sorted(self._joints[x] for x in terms)))
         return self.formula(angle) if angle.is_Symbol else []
 
-    def _is_fraction(self, x: Any) -> bool:
-        return bool(x.is_Rational and 1 < x.q <= MAX_DENOMINATOR)
-
     # -- numbers ----------------------------------------------------------------------------------
 
     def _number(self, x: Any) -> Formula:
@@ -245,7 +257,7 @@ class Notation:
             return [OPEN, NEGATIVE, *self._number(-x), CLOSE]
         if x.is_Integer:
             return [number(str(x))]
-        if self._is_fraction(x) and not (self._decimals and _ends(x)):
+        if _is_fraction(x, MAX_DENOMINATOR) and not (self._decimals and ends(x)):
             return [fraction([number(str(x.p))], [number(str(x.q))])]
         decimal = f"{float(x):.{self.digits}g}"
         self.rounded |= sp.Rational(decimal) != x
@@ -267,9 +279,8 @@ def _first_to_write(terms: Sequence[_Part]) -> int:
     return next((i for i in alike if not terms[i].negative), 0)
 
 
-def _ends(x: Any) -> bool:
-    """Whether a fraction is a decimal that ends."""
-    return all(p in (2, 5) for p in sp.primefactors(x.q))
+def _is_fraction(x: Any, finest: int) -> bool:
+    return bool(x.is_Rational and 1 < x.q <= finest)
 
 
 def symbol(name: str) -> tuple[Box, Formula | None]:
@@ -321,5 +332,4 @@ def _variables(x: Any) -> set[Any]:
 def _natural(name: str) -> tuple[Any, ...]:
     """Sort key of a symbol: masses first, inertias last, k_2 before k_10."""
     rank = 0 if name[0] in _FIRST else _INERTIAS if name[0] in _LAST else 1
-    pieces = re.split(r"(\d+)", name)
-    return (rank, *((0, int(x), "") if x.isdigit() else (1, 0, x) for x in pieces if x))
+    return (rank, *natural(name))

@@ -8,17 +8,37 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from moro.closed_form import Arm
+from moro.equations import Equation, in_brackets
+from moro.notation import Notation
+from moro.notebook import WIDTH, Shown
 from moro.standard_parameters import BODY, Energies, Standard
 from moro.trig import Trig, TrigRing
 
 
-class Regressor(NamedTuple):
-    """tau = Y p: unpacks as ``Y, p = robot.regressor()``."""
-
-    #: n x b, in q, qd, qdd, lengths and gravity
+class _Pair(NamedTuple):
     Y: sp.Matrix
-    #: b x 1, values of the base parameters, in the order of ``robot.base_parameters()``
     p: sp.Matrix
+
+
+class Regressor(_Pair, Shown):
+    """tau = Y p: unpacks as ``Y, p = robot.regressor()``, and shows as formulas.
+
+    ``Y``, n x b, is in q, qd, qdd, lengths and gravity; ``p``, b x 1, holds the values of the base
+    parameters, in the order of ``robot.base_parameters()``. ``notation`` writes them.
+    """
+
+    _notation: Notation
+
+    def __new__(cls, Y: sp.Matrix, p: sp.Matrix, notation: Notation | None = None) -> Regressor:
+        """Join Y and p."""
+        self = super().__new__(cls, Y, p)
+        self._notation = notation or Notation()
+        return self
+
+    def formulas(self) -> list[Equation]:
+        """Return Y and p as matrices if they fit on a line, else the entries that are not zero."""
+        write = self._notation.formula
+        return [*in_brackets("Y", self.Y, write, WIDTH), *in_brackets("p", self.p, write, WIDTH)]
 
 
 def regressor_columns(

@@ -17,6 +17,8 @@ from moro.closed_form import ClosedForm
 from moro.collect import Collector
 from moro.description import Description
 from moro.display import Display
+from moro.matrix_form import matrix_form
+from moro.notebook import Equations, Page
 from moro.regressor import Regressor, regressor_columns
 from moro.standard_parameters import BODY, Standard
 from moro.trig import Trig, TrigRing
@@ -243,26 +245,21 @@ class Robot(Description):
             return self._collector.equations(friction, self._taus())
         left = self._matrix("EL", lambda: [[x] for x in self._euler_lagrange()])
         friction = [self._friction(i) for i in range(self.dof)]
-        taus = self._taus()
-        return [
-            sp.Eq(x + f, tau, evaluate=False)
-            for x, f, tau in zip(left, friction, taus, strict=True)
-        ]
+        rows = zip(left, friction, self._taus(), strict=True)
+        return Equations((sp.Eq(x + f, tau, evaluate=False) for x, f, tau in rows), self._notation)
+
+    #: the same, by the name that says what they are
+    euler_lagrange_equations = dynamic_model
 
     def dynamic_model_matrix_form(self) -> Any:
         """M qdd + C qd + G = tau as an ``Eq`` of unevaluated blocks, friction beside G if set."""
         self._warn_if_static("dynamic_model_matrix_form")
-        qd = sp.ImmutableMatrix([q.diff(t) for q in self.qs])
-        qdd = sp.ImmutableMatrix([q.diff(t, 2) for q in self.qs])
-        M, C, G = map(
-            sp.ImmutableMatrix,
-            (self.inertia_matrix(), self._coriolis_matrix(), self.gravity_vector()),
-        )
-        blocks = [sp.MatMul(M, qdd, evaluate=False), sp.MatMul(C, qd, evaluate=False), G]
+        qd, qdd = ([q.diff(t, k) for q in self.qs] for k in (1, 2))
+        terms = [(self.inertia_matrix(), qdd), (self._coriolis_matrix(), qd)]
+        rest = [self.gravity_vector()]
         if self._viscous_friction or self._coulomb_friction:
-            blocks.append(sp.ImmutableMatrix([self._friction(i) for i in range(self.dof)]))
-        left = sp.MatAdd(*blocks, evaluate=False)
-        return sp.Eq(left, sp.ImmutableMatrix(self._taus()), evaluate=False)
+            rest.append(sp.Matrix([self._friction(i) for i in range(self.dof)]))
+        return matrix_form(terms, rest, self._taus())
 
     # -- inertial parameters ----------------------------------------------------------------------
 
@@ -295,7 +292,8 @@ class Robot(Description):
         parameters = self.base_parameters(zeros)
         leaders = tuple(x.leader for x in parameters)
         columns = self._matrix(("Y", leaders), lambda: self._regressor_columns(leaders)).T
-        return Regressor(columns.reshape(self.dof, len(leaders)), parameters.values)
+        Y = columns.reshape(self.dof, len(leaders))
+        return Regressor(Y, parameters.values, self._notation)
 
     # -- as a whole -------------------------------------------------------------------------------
 
@@ -310,7 +308,7 @@ class Robot(Description):
         return self._show(self._ring.convert(expr))
 
     def latex(self, expr: Any) -> str:
-        r"""Return an expression, or matrix, in LaTeX as the texts write it: s_{23}, \dot{q}_1."""
+        r"""Return an expression, matrix or equation in LaTeX as texts do: s_{23}, \dot{q}_1."""
         return self._notation.latex(expr)
 
     def report(
@@ -320,14 +318,14 @@ class Robot(Description):
 
         Rows, frames, Jacobians, energies, M, C, G and the equations of motion, in the notation of
         the texts, long sub-expressions named, no line wider than the page. ``path``: written there
-        too. The LaTeX needs amsmath and geometry, the HTML nothing else.
+        too. The LaTeX needs amsmath and geometry, the HTML nothing else; Jupyter shows it.
         """
         from moro.report import report
 
         page = report(self, kind)
         if path is not None:
             Path(path).write_text(page, encoding="utf-8")
-        return page
+        return Page(page) if kind == "html" else page
 
     # -- closed forms -----------------------------------------------------------------------------
 

@@ -127,7 +127,7 @@ def _frame(scene: Scene, origin, x, z, index: str, x_shift, z_shift, o_shift) ->
     for name, (direction, length), shift in (("x", x, x_shift), ("z", z, z_shift)):
         scene.text(scene.arrow(origin, length * direction), f"${name}_{{{index}}}$", *shift)
     scene.dot(origin)
-    scene.text(origin, f"$O_{{{index}}}$", *o_shift)
+    scene.text(origin, f"$o_{{{index}}}$", *o_shift)
 
 
 def _angle(scene: Scene, centre, start, axis, angle, radius, color, text, shift) -> None:

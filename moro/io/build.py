@@ -29,10 +29,7 @@ def robot(file: RobotFile) -> Robot:
         robot.viscous_friction = [each.viscous for each in friction]
         robot.coulomb_friction = [each.coulomb for each in friction]
     if any(link.limits is not None for link in links):
-        defaults = robot.joint_limits
-        robot.joint_limits = [
-            link.limits or default for link, default in zip(links, defaults, strict=True)
-        ]
+        robot.joint_limits = [link.limits for link in links]
     return robot
 
 

@@ -82,9 +82,9 @@ def _is_short(writer: Writer, terms: Terms) -> bool:
 def _energies(writer: Writer, terms: Terms) -> Iterator[Block]:
     robot, few = writer.robot, _MAX_ENERGY * writer.robot.dof
     yield paragraph(
-        "Energies of link $i$, kinetic and potential, with the rotation $R_i$ of $T^0_i$:"
+        "Energies of link $i$, kinetic and potential, with the rotation $R_{i0}$ of frame $i$:"
     )
-    kinetic = r"\frac{1}{2} m_i v_i^T v_i + \frac{1}{2} \omega_i^T R_i I_i R_i^T \omega_i"
+    kinetic = r"\frac{1}{2} m_i v_i^T v_i + \frac{1}{2} \omega_i^T R_{i0} I_i R_{i0}^T \omega_i"
     potential = "-m_i g_0^T r_{C_i}"
     yield Equations([_formula("K_i", kinetic), _formula("P_i", potential)])
     P = [writer.equation(f"P_{{{i}}}", robot.link_potential_energy(i)) for i in writer.numbers]
@@ -106,7 +106,7 @@ def _inertia(writer: Writer, terms: Terms) -> Iterator[Block]:
     rotors = writer.robot.rotor_inertias is not None
     yield paragraph(
         "$M$ is symmetric, the sum over all links of "
-        r"$m_i J_{v_i}^T J_{v_i} + J_{\omega_i}^T R_i I_i R_i^T J_{\omega_i}$"
+        r"$m_i J_{v_i}^T J_{v_i} + J_{\omega_i}^T R_{i0} I_i R_{i0}^T J_{\omega_i}$"
         + (", with the rotor inertias on its diagonal:" if rotors else ":")
     )
     yield from writer.matrix("M", terms.M)

@@ -30,13 +30,14 @@ def _rows(writer: Writer) -> Iterator[Block]:
         f"An arm with {robot.dof} joint{'s' if robot.dof > 1 else ''}, given by {which} "
         "Denavit-Hartenberg parameters. Frame $i$ is fixed to link $i$, frame $0$ to the base."
     )
-    names = ("i", f"a_{{{before}}}", rf"\alpha_{{{before}}}", "d_i", r"\theta_i")
-    heads = [*map(markup, names), [text("joint")], [text("limits")]]
-    lines = []
-    for i, (*values, kind) in zip(writer.numbers, robot.dh_parameters, strict=True):
-        lower, upper = map(write, robot.joint_limits[i - 1])
-        limits = [*lower, *markup(r"\le"), *write(robot.q(i)), *markup(r"\le"), *upper]
-        lines.append([write(i), *map(write, values), [text(_KINDS[kind])], limits])
+    names: Sequence[str] = ("i", f"a_{{{before}}}", rf"\alpha_{{{before}}}", "d_i", r"\theta_i")
+    joints = zip(writer.numbers, robot.dh_parameters, robot.joint_types, strict=True)
+    lines = [[write(i), *map(write, row), [text(_KINDS[kind])]] for i, row, kind in joints]
+    heads: list[str | Formula] = [*names, [text("joint")]]
+    if robot._joint_limits is not None:
+        heads.append([text("limits")])
+        for i, line in zip(writer.numbers, lines, strict=True):
+            line.append(_limits(writer, i))
     yield from writer.table(heads, lines)
     yield paragraph(
         "Frame $i$ expressed in frame $i-1$, by turns $R$ and shifts $T$ about and along axes"
@@ -45,9 +46,19 @@ def _rows(writer: Writer) -> Iterator[Block]:
     order = r"R_x(\alpha) T_x(a) R_z(\theta) T_z(d)"
     if not proximal:
         order = r"R_z(\theta) T_z(d) T_x(a) R_x(\alpha)"
-    general = writer.displayed(f"T^{{i-1}}_i = {order}", _transform(robot.convention))
+    general = writer.displayed(f"T_{{i,i-1}} = {order}", _transform(robot.convention))
     if general is not None:
         yield general
+
+
+def _limits(writer: Writer, i: int) -> Formula:
+    """Return what is given of the range of joint i."""
+    limits = writer.robot._joint_limits and writer.robot._joint_limits[i - 1]
+    if not limits:
+        return [text("not given")]
+    lower, upper = map(writer.write, limits)
+    variable = writer.write(writer.robot.q(i))
+    return [*lower, *markup(r"\le"), *variable, *markup(r"\le"), *upper]
 
 
 def _transform(convention: str) -> Any:
@@ -76,7 +87,7 @@ def _bodies(writer: Writer) -> Iterator[Block]:
         places = {pair: ("xyz".index(pair[0]), "xyz".index(pair[1])) for pair in _PAIRS}
         tensors = {p: [I[at] for I in robot.inertia_tensors] for p, at in places.items()}
         yield from writer.columns(
-            {f"I_{{{p}}}": x for p, x in tensors.items() if p[0] == p[1] or any(x)}
+            {f"I_{{i,{p}}}": x for p, x in tensors.items() if p[0] == p[1] or any(x)}
         )
     drives = {
         "I_{r_i}": robot.rotor_inertias,

@@ -22,11 +22,11 @@ def kinematics(writer: Writer) -> Iterator[Section]:
 def _frames(writer: Writer) -> Iterator[Block]:
     robot = writer.robot
     for i, T in zip(writer.numbers, robot.Ts, strict=True):
-        yield from writer.transform(f"T^{{{i - 1}}}_{{{i}}}", T)
+        yield from writer.transform(f"T_{{{writer.index(i, i - 1)}}}", T)
     if robot.dof > 1:
         yield paragraph("Their products, the frames expressed in frame $0$:")
     for i in writer.numbers[1:]:
-        yield from writer.transform(f"T^0_{{{i}}}", robot.T_i0(i))
+        yield from writer.transform(f"T_{{{writer.index(i, 0)}}}", robot.T_i0(i))
 
 
 def _jacobian(writer: Writer) -> Iterator[Block]:

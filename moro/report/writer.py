@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from moro.equations import Equation, rows
+from moro.equations import Equation, entries, rows
 from moro.markup import markup
 from moro.report.page import Block, Displayed, Equations, Paragraph, Tabular
 from moro.typeset import Box, Formula, matrix, scripts, width
@@ -62,30 +64,43 @@ class Writer:
 
     def entries(self, name: str, M: Any) -> Iterator[Equation]:
         """Yield the entries that are not zero, of a symmetric matrix those from M_ii on."""
-        count, columns = M.shape
-        symmetric = count == columns > 1 and M == M.T
-        single = f"({name})" if "_" in name or "^" in name else name
-        for i in range(count):
-            for j in range(i if symmetric else 0, columns):
-                if M[i, j] != 0:
-                    at = self.index(i + 1, j + 1) if columns > 1 else self.index(i + 1)
-                    yield self.equation(f"{single}_{{{at}}}", M[i, j])
+        return entries(name, M, self.write)
 
     def columns(self, columns: Mapping[str, Sequence[Any]]) -> Iterator[Block]:
-        """Yield a table of values by link, or a list if it would be too wide."""
+        """Yield a table of values by link."""
         cells = [[self.write(column[i - 1]) for column in columns.values()] for i in self.numbers]
-        heads = [markup(head) for head in columns]
         lines = [[self.write(i), *row] for i, row in zip(self.numbers, cells, strict=True)]
-        yield from self.table([[*markup("i")], *heads], lines)
+        yield from self.table(["i", *columns], lines)
 
     def table(
+        self, heads: Sequence[str | Formula], lines: Sequence[Sequence[Formula]]
+    ) -> Iterator[Block]:
+        """Yield a table by joint or link, as wide as the page at most.
+
+        Heads that are markup name their cells, a_2 below a_i: as many of the widest cells as
+        necessary hold their names, whose values follow. If that is not enough, the table is a list.
+        """
+        first = [markup(head) if isinstance(head, str) else head for head in heads]
+        rows, moved = [list(line) for line in lines], dict[tuple[int, int], Equation]()
+        columns = [k for k, head in enumerate(heads) if k and isinstance(head, str)]
+        places = product(range(len(rows)), columns)
+        for i, k in sorted(places, key=lambda at: -width(lines[at[0]][at[1]])):
+            if Tabular([first, *rows]).width <= self._page:
+                break
+            name = markup(_numbered(str(heads[k]), i + 1))
+            moved[i, k], rows[i][k] = Equation(name, rows[i][k]), name
+        table = Tabular([first, *rows])
+        if table.width > self._page:
+            yield from self._listed(first, lines)
+            return
+        yield table
+        if moved:
+            yield Paragraph(["Here"])
+            yield Equations([moved[at] for at in sorted(moved)])
+
+    def _listed(
         self, heads: Sequence[Formula], lines: Sequence[Sequence[Formula]]
     ) -> Iterator[Block]:
-        """Yield a table; if it is too wide, a list of its values below each other."""
-        table = Tabular([heads, *lines])
-        if table.width <= self._page:
-            yield table
-            return
         for number, *values in lines:
             yield Paragraph(["Row ", number, ":"])
             pairs = zip(heads[1:], values, strict=True)
@@ -98,3 +113,9 @@ class Writer:
     def lines(self, equations: Iterable[Equation]) -> int:
         """Return how many lines equations take on the page."""
         return sum(1 for _ in rows(list(equations), self._page))
+
+
+def _numbered(head: str, i: int) -> str:
+    """Return markup for number i: a_{2} for ``a_i``, a_{1} for ``a_{i-1}``."""
+    head = head.replace("i-1", str(i - 1))
+    return re.sub(r"(?<![A-Za-z\\])i(?![A-Za-z])", f"{{{i}}}", head)

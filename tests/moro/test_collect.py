@@ -90,7 +90,7 @@ class TestPlanar2R:
             "M[1, 2] = k_2*cos(q_2(t)) + k_3",
             "M[2, 2] = k_3",
         ]
-        assert "k_2 = l_1*lc_2*m_2" in str(M)
+        assert "k_2 = l_1*l_c2*m_2" in str(M)
         assert r"M_{12} &= k_{3}+k_{2}\,c_{2} \\" in M.latex()
         assert r"k_{2} &= m_{2}\,l_{1}\,l_{c2} \\" in M.latex()
         assert M._repr_latex_() == f"$\\displaystyle {M.latex()}$"

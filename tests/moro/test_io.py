@@ -96,8 +96,8 @@ def test_robot_of_a_file(write):
     assert list(robot.joint_types) == ["r", "p"]
     assert list(robot.qs) == [abc.q1, abc.q2]
     one, two = robot.dh_parameters
-    assert tuple(one) == (0, -pi / 2, Rational(2159, 5000), abc.q1 + pi / 2, "r")
-    assert tuple(two) == (file.links[1].a, 0, abc.q2 + file.links[1].d, pi / 6, "p")
+    assert tuple(one) == (0, -pi / 2, Rational(2159, 5000), abc.q1 + pi / 2)
+    assert tuple(two) == (file.links[1].a, 0, abc.q2 + file.links[1].d, pi / 6)
     assert Matrix(robot.gravity) == Matrix(file.gravity)
     assert dict(robot.parameters) == file.parameters
     assert list(robot.masses) == [link.mass for link in file.links]

@@ -21,6 +21,7 @@ from moro.report.page import (
     paragraph,
     render,
 )
+from moro.report.writer import Writer
 from moro.typeset import latex, text, width
 
 SECTIONS = [
@@ -231,7 +232,7 @@ def test_only_kinematics_is_known():
     robot = mr.Robot((l1, 0, 0, q1))
     tex = robot.report("tex")
     assert "Not derived, because these are not set: masses, cm\\_positions" in tex
-    assert "T_{1}^{0}=" in tex
+    assert "T_{10}=" in tex
     assert "Centres of mass" not in tex
 
 
@@ -268,13 +269,49 @@ def test_other_formats_are_refused(kind, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_wide_tables_become_lists():
+def test_wide_cells_of_a_table_stand_below_it():
     robot = planar(2)
     long = sp.Add(*sp.symbols("x_1:40"))
-    robot.cm_positions = [[long, long, long], [0, 0, 0]]
+    robot.inertia_tensors = [sp.diag(1, 2, 3), sp.diag(4, long, 5)]
     found = blocks(robot, 46.0)
-    row = next(x for x in found if isinstance(x, Paragraph) and x.parts[0] == "Row ")
-    assert isinstance(found[found.index(row) + 1], Equations)
+    table, words, where = (found[i] for i in _after(found, "Inertia tensors ", 3))
+    assert isinstance(table, Tabular)
+    assert [latex(x) for x in table.rows[1]] == ["1", "1", "2", "3"]
+    assert [latex(x) for x in table.rows[2]] == ["2", "4", "I_{2,yy}", "5"]
+    assert words.parts == ["Here"]
+    (equation,) = where.equations
+    assert latex(equation.left) == "I_{2,yy}"
+    assert "x_{39}" in latex(equation.right)
+
+
+def test_tables_of_words_become_lists():
+    writer = Writer(planar(2), 20.0)
+    lines = [[text(str(i))] for i in (1, 2)]
+    found = list(writer.table(["i", [text("words")]], [[x, [text("long" * 20)]] for x in lines]))
+    assert [type(x) for x in found] == [Paragraph, Equations] * 2
+
+
+def test_rows_before_have_their_numbers():
+    robot = mr.Robot((l1, 0, d1, q1), (sp.Add(*sp.symbols("x_1:40")), 0, 0, q2), convention="mdh")
+    tex = robot.report("tex")
+    assert r"2 & a_{1} & 0" in tex.replace("$", "")
+    assert r"a_{1} &= x_{1}+x_{2}" in tex
+
+
+def test_only_limits_that_are_given_are_shown():
+    robot = mr.Robot((l1, 0, 0, q1), (0, 0, q2, 0, "p"))
+    assert "limits" not in robot.report("tex")
+    assert "1000" not in robot.report("tex")
+    robot.joint_limits = [(0, 1), None]
+    tex = robot.report("tex")
+    assert r"0\le q_{1}\le 1" in tex.replace(r"\le ", r"\le ")
+    assert r"\text{not given}" in tex
+    assert "1000" not in tex
+
+
+def _after(found, words, count):
+    start = next(i for i, x in enumerate(found) if isinstance(x, Paragraph) and x.parts[0] == words)
+    return range(start + 1, start + 1 + count)
 
 
 def test_report_is_a_function_of_the_arm():

@@ -82,7 +82,7 @@ class TestConstruction:
     )
     def test_rows_may_be_any_sequence(self, row):
         robot = Robot(row)
-        assert robot.dh_parameters == [(l1, 0, 0, q1, "r")]
+        assert robot.dh_parameters == [(l1, 0, 0, q1)]
         assert robot.T[0, 3] == l1 * sp.cos(q1)
 
     def test_convention(self):
@@ -110,15 +110,16 @@ class TestConstruction:
     def test_rows_as_given_and_as_a_table(self):
         robot = Robot((l1, pi / 2, 0.5, q1 + pi / 2), (0, alpha, q2 + d1, 0, "P"))
         assert robot.dh_parameters == [
-            (l1, pi / 2, 0.5, q1 + pi / 2, "r"),
-            (0, alpha, q2 + d1, 0, "p"),
+            (l1, pi / 2, 0.5, q1 + pi / 2),
+            (0, alpha, q2 + d1, 0),
         ]
         table = robot.dh_table
         assert table.headings == ("i", "a", "alpha", "d", "theta", "type")
         assert table[1] == (2, 0, alpha, d1 + q2, 0, "p")
         assert [line.split()[0] for line in repr(table).splitlines()[2:]] == ["1", "2"]
+        assert (table[0, 2], table[1, 1], table[2, 5], table.shape) == ("alpha", l1, "p", (3, 6))
         assert r"\tfrac{\pi }{2}" in robot._repr_latex_()
-        assert "<td>" in table._repr_html_()
+        assert "<td>" in table._repr_html_() == robot._repr_html_()
 
     def test_joint_variables_may_have_offsets(self):
         robot = Robot((l1, 0, 0, q1 + pi / 2), (l2, 0, 0, q2 - pi), (0, 0, q3 + d3, alpha, "p"))
@@ -583,7 +584,7 @@ class TestWrongValues:
             ("01", TypeError, "must be a list of values, not '01'"),
             ({0, 1}, TypeError, "must be a list of values"),
             ({"lower": 0, "upper": 1}, TypeError, "must be a list of values"),
-            (None, TypeError, "must be a list of values, not None"),
+            (True, TypeError, "must be a list of values, not True"),
         ],
     )
     def test_limits(self, pair, error, message):
@@ -642,6 +643,9 @@ class TestDefaults:
         assert robot.joint_limits == [(-pi, pi), (0, 1000)]
         robot.joint_limits = [(-1, 1), (0, 0)]
         assert robot.joint_limits == [(-1, 1), (0, 0)]
+        robot.joint_limits = [None, (1, 2)]
+        assert robot.joint_limits == [(-pi, pi), (1, 2)]
+        assert robot.with_parameters({}).joint_limits == robot.joint_limits
         robot.joint_limits = None
         assert robot.joint_limits == [(-pi, pi), (0, 1000)]
 
@@ -986,7 +990,7 @@ class TestWithParameters:
         assert (new.name, new.convention, new.joint_limits) == ("an_arm", "mdh", [(-1, 1), (0, 2)])
         assert new.parameters[d3] == 1
         assert ("masses", "assumed") in [row[:2] for row in new.model_summary()]
-        assert new.dh_parameters == [(1, alpha, 3, q1, "r"), (0, 0, q2 + d3, x, "p")]
+        assert new.dh_parameters == [(1, alpha, 3, q1), (0, 0, q2 + d3, x)]
 
     def test_symbols_may_change_places(self):
         new = two_links().with_parameters({l1: l2, l2: l1})
@@ -1085,6 +1089,11 @@ def test_symbols_of_abc():
     assert abc.t == t == sp.Symbol("t")
     assert [abc.q1, abc.q6, abc.q12] == [joint_variable(i) for i in (1, 6, 12)]
     assert str(abc.q1) == "q_1(t)"
-    for letter in ("l", "lc", "d", "m", "a", "alpha", "g", "tau"):
+    for letter in ("l", "d", "m", "a", "alpha", "theta", "g", "tau"):
         assert getattr(abc, letter) == sp.Symbol(letter) == symbol(letter)
         assert getattr(abc, f"{letter}3") == sp.Symbol(f"{letter}_3") == symbol(letter, 3)
+    assert (abc.lc, abc.lc3) == (symbol("lc"), symbol("lc", 3)) == sp.symbols("l_c l_c3")
+    assert (sp.latex(abc.lc), sp.latex(abc.lc3)) == ("l_{c}", "l_{c3}")
+    assert (abc.qd2, abc.qdd12) == (q2.diff(t), joint_variable(12).diff(t, 2))
+    assert (abc.beta, abc.omega) == sp.symbols("beta omega")
+    assert not {"pi", "I", "lambda"} & set(abc.__all__)

@@ -43,8 +43,29 @@ def test_html(table):
         root = ElementTree.fromstring(code)  # noqa: S314 - our own
         assert [len(row) for row in root.iter("tr")] == [3, 3, 3]
         assert "a & b < c" in "".join(root.itertext())
-    assert "<mfrac>" in table.html()
-    assert r"$\tfrac{\pi }{2}$" in table._repr_html_()
+        assert "<mfrac>" in code
+        assert "<mi>α</mi>" in code
+        assert "$" not in code  # columns hold where no script comes to typeset them
+
+
+def test_wide_cells_are_broken_into_lines():
+    table = Table(("x",), [(sp.Add(*sp.symbols("x_1:60")),)])
+    assert table.html().count("<br/>") >= 2
+
+
+def test_entries_and_words_as_they_are_printed(table):
+    assert table.shape == (3, 3)
+    assert (table[0, 1], table[1, 1], table[2, 0]) == ("alpha", sp.pi / 2, 2)
+    assert "alpha" in table
+    assert "pi/2" in table
+    assert "beta" not in table
+    assert (1, sp.pi / 2, "a & b < c") in table
+
+
+def test_text_has_numbers_in_order():
+    k2, k10 = sp.symbols("k_2 k_10")
+    rows = [(k10 * sp.sin(q1) + k2,), (sp.cos(k10) + 1,)]
+    assert repr(Table(("x",), rows)).splitlines()[2:] == ["k_2 + k_10*sin(q_1(t))", "cos(k_10) + 1"]
 
 
 def test_robots_print_their_rows():
