@@ -66,6 +66,7 @@ cdef extern from "numpy/ufuncobject.h":
 cdef extern from *:
     """
     typedef void (*moro_single)(void);
+    typedef const char *(*moro_said)(void);
     typedef void (*moro_loop)(char **, const npy_intp *, const npy_intp *, void *);
 
     /* Calls a C function whose n arguments are pointers, to double or to float. */
@@ -94,6 +95,7 @@ cdef extern from *:
     }
     """
     ctypedef void (*Single "moro_single")() noexcept nogil
+    ctypedef const char *(*Said "moro_said")() noexcept
     ctypedef void (*Loop "moro_loop")(
         char **, const np.npy_intp *, const np.npy_intp *, void *) noexcept nogil
     void moro_apply(Single, int, void **) noexcept nogil
@@ -112,9 +114,14 @@ cdef class Library:
 
     def __cinit__(self, path):
         self.path = os.fspath(path)
-        self.handle = dlopen(os.fsencode(_spelled_by_inode(self.path)), RTLD_NOW | RTLD_LOCAL)
-        if self.handle is NULL:
-            raise OSError(f"cannot load {self.path}: {dlerror().decode(errors='replace')}")
+        spelled = None
+        while spelled != _spelled_by_inode(self.path):  # else the file was replaced meanwhile
+            if self.handle is not NULL:
+                dlclose(self.handle)
+            spelled = _spelled_by_inode(self.path)
+            self.handle = dlopen(os.fsencode(spelled), RTLD_NOW | RTLD_LOCAL)
+            if self.handle is NULL:
+                raise OSError(f"cannot load {self.path}: {dlerror().decode(errors='replace')}")
 
     def __dealloc__(self):
         if self.handle is not NULL:
@@ -128,6 +135,15 @@ cdef class Library:
         if address is NULL:
             raise OSError(f"{self.path} does not export {name}")
         return address
+
+    def text(self, str name):
+        """Return the text that a symbol of the library is."""
+        return (<const char *>self.symbol(name)).decode(errors="replace")
+
+    def said(self, str name):
+        """Return the text that a function of the library gives, or None."""
+        cdef const char *text = (<Said>self.symbol(name))()
+        return None if text is NULL else text.decode(errors="replace")
 
 
 def _spelled_by_inode(path):

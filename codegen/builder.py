@@ -11,7 +11,6 @@ import json
 import os
 import platform
 import re
-import tempfile
 import time
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -22,7 +21,6 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
-from platformdirs import user_cache_path
 
 import moro
 from moro.robot import Robot
@@ -32,17 +30,21 @@ from moro_codegen.emit.c import emit as emit_c
 from moro_codegen.emit.cython import emit as emit_cython
 from moro_codegen.emit.cython import package
 from moro_codegen.emit.numpy import emit as emit_numpy
+from moro_codegen.emit.render import render
 from moro_codegen.generate import Program, generate
 from moro_codegen.kernel import Backend, Kernel, cython_folder, library
 from moro_codegen.requested import Request, requested
 from moro_codegen.signature import Signature
 from moro_codegen.store import FORMAT
-from moro_codegen.toolchain import Compiler, ToolchainError
+from moro_codegen.toolchain import Compiler, ProcessorError, ToolchainError
 
 #: a language to write sources in; of the backends, Python is that with NumPy
 Language: TypeAlias = Literal["c", "cython", "python"]
 
 LANGUAGES: dict[Backend, Language] = {"c": "c", "cython": "cython", "numpy": "python"}
+
+#: what every C source defines besides its functions, after the robot's name
+SYMBOLS = ("fault", "key")
 
 #: a program of more operations is long: compiled quickly rather than with every optimisation
 LONG = 6000
@@ -54,6 +56,7 @@ def compile(
     directory: str | os.PathLike[str] | None = None,
     backend: Backend = "c",
     dtype: str = "float64",
+    arch: str = "native",
 ) -> Kernel:
     """Return the kernel of a robot: its functions, compiled for the processor at hand.
 
@@ -65,19 +68,22 @@ def compile(
     and processor. ``backend="numpy"`` needs no compiler; ``backend="cython"`` needs Cython and
     setuptools besides, and makes a package that can be installed without moro. With
     ``dtype="float32"`` the functions compute in single precision, twice as many samples at once.
-    Raises ToolchainError for what is missing, and ValueError for a function that does not exist or
-    a robot whose name is no C identifier.
+    ``arch`` is the oldest processor that the kernel must run on, as the compiler's -march calls it
+    (``x86-64-v3``), if it is not the one at hand. Raises ToolchainError for what is missing,
+    ValueError for a function that does not exist or a robot whose name is no C identifier, and
+    OSError for a folder in which nothing can be kept.
     """
     start = time.perf_counter()
     model = robot.model()
-    reserved = {*dir(Kernel), *Kernel.__annotations__}
+    reserved = {*dir(Kernel), *Kernel.__annotations__, *SYMBOLS}
     program = generate(model, requested(functions, robot, reserved), robot.parameters)
     program = replace(described(program, robot), scalar=_scalar(dtype))
     generated = time.perf_counter() - start
     return build(
         program,
-        Path(directory) if directory is not None else user_cache_path("moro") / "kernels",
+        Path(directory) if directory is not None else store.cache(),
         backend,
+        arch=arch,
         named_by_key=True,
         source={"model_sha256": hashlib.sha256(repr(model).encode()).hexdigest()},
         timings={"generate": generated},
@@ -89,6 +95,7 @@ def build(
     directory: str | os.PathLike[str],
     backend: Backend = "c",
     *,
+    arch: str = "native",
     named_by_key: bool = False,
     languages: Collection[Language] = (),
     source: Mapping[str, str] | None = None,
@@ -100,26 +107,44 @@ def build(
     ``named_by_key`` the kernel gets a folder of its own inside ``directory``. ``source`` says where
     the program came from (``{"file": ..., "sha256": ...}``) and is recorded in the manifest as
     "input". The kernel's ``timings`` are those given, and the seconds for "emit" and "compile".
-    Everything is built in a folder beside ``directory`` and moved there when it is complete.
+    Everything is built in a folder beside ``directory`` and moved there when it is complete; what
+    is there already and whole is opened without writing anything. A kernel for an ``arch`` that
+    the processor at hand is not is built, and then ProcessorError says that it cannot be opened.
     """
     seconds = dict(timings or {})
     start = time.perf_counter()
     texts = sources(program, backend, languages)
     seconds["emit"] = time.perf_counter() - start
-    compiler = None if backend == "numpy" else _compiler_for(program)
+    compiler = None if backend == "numpy" else _compiler_for(program, arch)
+    if compiler is None and arch != "native":
+        raise ValueError('backend="numpy" is for every processor: leave arch out')
     manifest = describe(program, backend, texts, compiler, source)
     folder = Path(directory).absolute()
     if named_by_key:
         folder /= f"{program.name}-{manifest['key'][:16]}"
-    with store.lock(folder):
-        reused = store.is_current(folder, manifest)
-        start = time.perf_counter()
-        if not reused:
-            _install(folder, texts, manifest, compiler)
-        elif (there := store.read_manifest(folder))["input"] != manifest["input"]:
-            store.write_manifest(folder, {**there, "input": manifest["input"]})
-        seconds["compile"] = time.perf_counter() - start
-        return Kernel(folder, reused=reused, timings=seconds)
+    start = time.perf_counter()
+    reused = _is_there(folder, texts, manifest, compiler)
+    seconds["compile"] = time.perf_counter() - start
+    return Kernel(folder, reused=reused, timings=seconds)
+
+
+def _is_there(
+    folder: Path, texts: Mapping[str, str], manifest: Mapping[str, Any], compiler: Compiler | None
+) -> bool:
+    """See to it that the folder holds the kernel; tell whether it did so already."""
+    if store.is_current(folder, manifest) and store.has_input(folder, manifest):
+        return True
+    try:
+        with store.lock(folder):
+            if not store.is_current(folder, manifest):
+                _install(folder, texts, manifest, compiler)
+                return False
+            if not store.has_input(folder, manifest):
+                store.record_input(folder, manifest)
+    except OSError:
+        if not store.is_current(folder, manifest):
+            raise
+    return True
 
 
 def _scalar(dtype: Any) -> Literal["double", "float"]:
@@ -130,9 +155,9 @@ def _scalar(dtype: Any) -> Literal["double", "float"]:
     raise ValueError(f'dtype must be "float64" or "float32", not {dtype!r}')
 
 
-def _compiler_for(program: Program) -> Compiler:
+def _compiler_for(program: Program, arch: str) -> Compiler:
     """Return the compiler, with flags for a program of this length."""
-    compiler = toolchain.find_compiler()
+    compiler = toolchain.find_compiler(arch)
     operations = sum(sum(routine.ops.values()) for routine in program.routines)
     return compiler.quick() if operations > LONG else compiler
 
@@ -182,11 +207,11 @@ def describe(
             "version": compiler.version,
             "flags": list(compiler.flags),
             "target": compiler.target,
+            "features": list(compiler.features),
         }
         if backend == "cython":
             made_with |= extension.tools()
-    shaping = json.dumps([FORMAT, backend, dict(texts), made_with], sort_keys=True)
-    return {
+    manifest = {
         "format": FORMAT,
         "name": program.name,
         "dof": program.dof,
@@ -195,7 +220,7 @@ def describe(
         "gravity": None if program.gravity is None else list(program.gravity),
         "scalar": program.scalar,
         "backend": backend,
-        "key": hashlib.sha256(shaping.encode()).hexdigest(),
+        "texts": hashlib.sha256(json.dumps(dict(texts), sort_keys=True).encode()).hexdigest(),
         "input": dict(source or {}),
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "versions": {
@@ -208,18 +233,29 @@ def describe(
         "parameters": [asdict(parameter) for parameter in program.parameters],
         "functions": [Signature.of(program, r).as_json() for r in program.routines],
     }
+    return {**manifest, "key": store.key_of(manifest)}
+
+
+def _signed(path: str, text: str, manifest: Mapping[str, Any]) -> str:
+    """Return the text of a file; the library that is made of it, or is it, says whose it is."""
+    name, key = manifest["name"], manifest["key"]
+    if Path(path).name == f"{name}.c":
+        return text + render("key.c.jinja", symbol=f"{name}_key", key=key)
+    if Path(path).name == f"{name}.py":
+        return text + render("key.py.jinja", key=key)
+    return text
 
 
 def _install(
-    folder: Path, texts: Mapping[str, str], manifest: dict[str, Any], compiler: Compiler | None
+    folder: Path, texts: Mapping[str, str], manifest: Mapping[str, Any], compiler: Compiler | None
 ) -> None:
     """Build a kernel beside the folder, try it, and move it there."""
-    with tempfile.TemporaryDirectory(prefix=f".{folder.name}-", dir=folder.parent) as beside:
-        new = Path(beside) / folder.name
+    with store.workshop(folder) as beside:
+        new = beside / folder.name
         new.mkdir()
         for name, text in texts.items():
             (new / name).parent.mkdir(parents=True, exist_ok=True)
-            (new / name).write_text(text, encoding="utf-8")
+            (new / name).write_text(_signed(name, text, manifest), encoding="utf-8")
         name = manifest["name"]
         if manifest["backend"] == "c" and compiler is not None:
             toolchain.build(compiler, new / f"{name}.c", new / library(name))
@@ -235,6 +271,8 @@ def _try(folder: Path) -> None:
     """Load a new kernel, as its users will."""
     try:
         Kernel(folder)
+    except ProcessorError:
+        pass  # for another processor, as the user wished
     except OSError as error:
         raise ToolchainError(
             f"the compiler's library cannot be loaded: {error}\n{toolchain.FALLBACK}"

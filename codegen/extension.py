@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 import shutil
 import sys
@@ -11,7 +12,6 @@ from importlib import metadata
 from importlib.machinery import EXTENSION_SUFFIXES, ExtensionFileLoader
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from types import ModuleType
 
 from moro_codegen.toolchain import FALLBACK, Compiler, ToolchainError, run, words
@@ -19,9 +19,15 @@ from moro_codegen.toolchain import FALLBACK, Compiler, ToolchainError, run, word
 #: what the build needs, by the name of the package on PyPI
 NEEDED = {"cython": "Cython", "setuptools": "setuptools"}
 
+#: variables of the environment that setuptools and the compiler heed
+VARIABLES = (
+    "CFLAGS", "CPPFLAGS", "LDFLAGS", "LDSHARED", "ARCHFLAGS", "CPATH", "C_INCLUDE_PATH",
+    "LIBRARY_PATH", "MACOSX_DEPLOYMENT_TARGET", "SDKROOT",
+)  # fmt: skip
+
 
 def tools() -> dict[str, str]:
-    """Return the versions of what extensions are built with.
+    """Return the versions of what extensions are built with, and the variables that shape them.
 
     Raise ToolchainError that names what is not installed.
     """
@@ -32,20 +38,17 @@ def tools() -> dict[str, str]:
             'backend="c" needs only a C compiler.'
         )
     versions = {name: metadata.version(name) for name in NEEDED}
-    return {**versions, "suffix": str(sysconfig.get_config_var("EXT_SUFFIX"))}
+    variables = {name: os.environ[name] for name in VARIABLES if os.environ.get(name)}
+    return {**versions, "suffix": str(sysconfig.get_config_var("EXT_SUFFIX")), **variables}
 
 
 def build(compiler: Compiler, folder: Path, package: str) -> None:
     """Build ``package.functions`` in the folder that holds the package and its setup.py."""
     # -std would keep Python's headers from what they need; the rest setuptools sees to itself
     flags = [flag for flag in compiler.flags if flag not in ("-std=c99", "-fPIC", "-shared")]
-    with TemporaryDirectory() as elsewhere:
-        command = [
-            sys.executable, "setup.py", "--quiet", "build_ext", "--inplace",
-            "--build-temp", elsewhere, "--build-lib", elsewhere,
-        ]  # fmt: skip
-        environment = {"CC": shlex.join(compiler.command), "MORO_CFLAGS": " ".join(flags)}
-        done = run(command, folder, environment)
+    command = [sys.executable, "setup.py", "--quiet", "build_ext", "--inplace"]
+    environment = {"CC": shlex.join(compiler.command), "MORO_CFLAGS": " ".join(flags)}
+    done = run(command, folder, environment)
     inside = folder / package
     if done.returncode != 0 or not _libraries(inside):
         raise ToolchainError(

@@ -22,7 +22,8 @@ from moro_codegen.emit.cython import package
 from moro_codegen.emit.describe import shape
 from moro_codegen.quick import quick
 from moro_codegen.signature import Array, Run, Signature
-from moro_codegen.store import read_manifest
+from moro_codegen.store import MANIFEST, DamagedError, checked_file, read_manifest, settled
+from moro_codegen.toolchain import ProcessorError, ToolchainError
 
 Backend: TypeAlias = Literal["c", "cython", "numpy"]
 
@@ -35,6 +36,10 @@ class Kernel:
 
     Each function is an attribute: ``kernel.tau(q, qd, qdd)``; its docstring says what it takes and
     returns. ``Kernel(directory)`` opens the kernel that ``build`` left there.
+
+    Raises FileNotFoundError if there is none, ValueError if its files do not belong together or are
+    of another version of moro, ToolchainError if it was compiled for another processor or with
+    options that change what it computes.
     """
 
     #: the robot's name, its number of joints, the folder of the kernel's files
@@ -65,6 +70,10 @@ class Kernel:
     ) -> None:
         self.directory = Path(directory).absolute()
         self.reused, self.timings = reused, dict(timings or {})
+        settled(self._open)
+
+    def _open(self) -> None:
+        """Read the manifest, then open what it describes, if that says the same of itself."""
         self.manifest = read_manifest(self.directory)
         self.name, self.dof = self.manifest["name"], self.manifest["dof"]
         self.backend = self.manifest["backend"]
@@ -108,7 +117,7 @@ class Kernel:
         self.source = self.directory / f"{self.name}.c"
         self.header = self.directory / f"{self.name}.h"
         self.library = self.directory / library(self.name)
-        opened = Library(str(self.library))
+        opened = self._checked_library(self.library)
         for name, s in self.signatures.items():
             symbol = f"{self.name}_{name}"
             counts = len(s.inputs), len(s.outputs)
@@ -130,12 +139,35 @@ class Kernel:
             )
             yield name, function.call
 
+    def _checked_library(self, path: Path) -> Library:
+        """Return a library that is the manifest's, and computes as it must on this processor."""
+        checked_file(self.directory, self.manifest, path.relative_to(self.directory).as_posix())
+        try:
+            library = Library(str(path))
+        except FileNotFoundError as error:  # by a rebuild, since we looked
+            raise DamagedError(self.directory, str(error)) from None
+        if library.text(f"{self.name}_key") != self.manifest["key"]:
+            raise _of_another(self.directory, path)
+        fault = library.said(f"{self.name}_fault")
+        if fault is None:
+            return library
+        if fault.startswith("this processor"):
+            raise ProcessorError(
+                f"{path} was compiled for another processor: {fault}. Build the kernel again here, "
+                "or with arch= (--arch) for the oldest processor that it must run on"
+            )
+        raise ToolchainError(f"{path.name} computes wrongly: it was {fault}. Compile without them")
+
     def _cython_functions(self) -> Iterator[tuple[str, Callable[..., Any]]]:
         """Yield the functions of the extension."""
         folder = self.directory / cython_folder(self.name) / package(self.name)
         self.source = folder / "functions.pyx"
         self.header = folder / f"{self.name}.h"
-        self.library = extension.library(folder)
+        try:
+            self.library = extension.library(folder)
+        except FileNotFoundError as error:
+            raise DamagedError(self.directory, str(error)) from None
+        self._checked_library(self.library)
         module = extension.load(self.library)
         for name, s in self.signatures.items():
             direct = getattr(module, name)
@@ -145,10 +177,17 @@ class Kernel:
         """Yield the functions of the Python module."""
         self.source = self.directory / f"{self.name}.py"
         module = ModuleType(self.name)
-        code = builtins.compile(self.source.read_text(encoding="utf-8"), str(self.source), "exec")
+        text = checked_file(self.directory, self.manifest, self.source.name)
+        code = builtins.compile(text, str(self.source), "exec")
         exec(code, module.__dict__)  # noqa: S102 - as much ours as the shared library is
+        if self.manifest["key"] != module.KEY:
+            raise _of_another(self.directory, self.source)
         for name, s in self.signatures.items():
             yield name, s.checked(in_chunks(getattr(module, name), s))
+
+
+def _of_another(folder: Path, path: Path) -> DamagedError:
+    return DamagedError(folder, f"{path.name} is of another kernel than {MANIFEST} describes")
 
 
 def _function_of(directory: Path, name: str) -> Function:

@@ -117,6 +117,20 @@ def _print_versions(context: click.Context, _: click.Parameter, asked: bool) -> 
     default=(),
     help="Sources to write besides: c, cython (a package that pip installs without moro), python.",
 )
+@click.option(
+    "--arch",
+    default="native",
+    show_default=True,
+    help="Oldest processor to compile for, as -march calls it: x86-64-v3.",
+)
+@click.option(
+    "--clear-cache",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=lambda context, _, given: _clear_cache(context) if given else None,
+    help="Remove the kernels that moro_codegen.compile keeps, and exit.",
+)
 @click.option("--no-benchmark", is_flag=True, help="Leave out the times per call.")
 @click.option(
     "--version",
@@ -133,6 +147,7 @@ def main(
     backend: str,
     scalar: str,
     languages: tuple[str, ...],
+    arch: str,
     no_benchmark: bool,
 ) -> None:
     """Make a compiled kernel of an arm's dynamics, and prove it.
@@ -148,13 +163,27 @@ def main(
         from moro_codegen.cli.job import Order, run
         from moro_codegen.cli.table import show
 
-        order = Order(functions, output, backend, scalar, languages, not no_benchmark)
+        order = Order(functions, output, backend, scalar, languages, arch, not no_benchmark)
         outcome = run(arm, order, source)
         show(outcome)
     except EXPECTED as error:
         click.echo(f"moro-codegen: error: {_message(error)}", err=True)
         sys.exit(2)
     sys.exit(0 if outcome.verification.passed else 1)
+
+
+def _clear_cache(context: click.Context) -> None:
+    """Remove the user's kernels but those that are being built."""
+    from moro_codegen import store
+
+    try:
+        folder = store.cache()
+        count, freed = store.clear(folder)
+    except OSError as error:
+        click.echo(f"moro-codegen: error: {_message(error)}", err=True)
+        context.exit(2)
+    click.echo(f"{folder}: {count} kernels removed, {freed / 1e6:.1f} MB")
+    context.exit()
 
 
 def _message(error: Exception) -> str:

@@ -29,6 +29,7 @@ class Order:
     backend: Any
     scalar: Any
     languages: Any
+    arch: str
     benchmark: bool
 
 
@@ -70,7 +71,14 @@ def _built(
     program = replace(described(program, robot), scalar=order.scalar)
     generated = time.perf_counter() - start
     folder = order.output / robot.name
-    kernel = build(program, folder, order.backend, languages=order.languages, source=source)
+    kernel = build(
+        program,
+        folder,
+        order.backend,
+        arch=order.arch,
+        languages=order.languages,
+        source=source,
+    )
     times["generate"] = generated + kernel.timings["emit"]
     times["compile"] = kernel.timings["compile"]
     return kernel

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from moro_codegen import processors
 from moro_codegen.emit.describe import (
     all_inputs,
     argument_lines,
@@ -63,7 +64,8 @@ _WORDS = """
     """.split()  # noqa: SIM905
 RESERVED = frozenset([*_WORDS, *(f"{word}f" for word in _WORDS)])  # sinf is the sine of a float
 
-#: what the templates say of a scalar type: for sines and cosines, pi/2 in parts, a number whose sum
+#: what the templates say of a scalar type: angles to try the sines and cosines with, and how much
+#: these may differ from libm's; for sines and cosines, pi/2 in parts, a number whose sum
 #: with another rounds that to an integer and holds it in its lowest bits, minimax polynomials (for
 #: double those of fdlibm)
 SCALARS: dict[str, dict[str, Any]] = {
@@ -71,6 +73,8 @@ SCALARS: dict[str, dict[str, Any]] = {
         "bits": 64,
         "widths": (8, 4, 2),
         "reducible": "1e5",
+        "samples": (0.5, 2.0, -355.0, 11.0, 31415.9, -99999.5),
+        "tolerance": 4 * 2.0**-52,
         "parts": "37, 37 and 53",
         "constants": {
             "TWO_OVER_PI": 2 / math.pi,
@@ -96,6 +100,8 @@ SCALARS: dict[str, dict[str, Any]] = {
         "bits": 32,
         "widths": (16, 8, 4),
         "reducible": "1e3f",
+        "samples": (0.5, 2.0, -355.0, 11.0, 314.159, -999.5),
+        "tolerance": 4 * 2.0**-23,
         "parts": "11, 11, 11 and 24",
         "constants": {
             "TWO_OVER_PI": 2 / math.pi,
@@ -122,7 +128,11 @@ def emit(program: Program) -> dict[str, str]:
     scalar = SCALARS[program.scalar]
     f = suffix(program)
     constants = [(name, literal(value, f)) for name, value in scalar["constants"].items()]
-    common = {"header": header, "routines": routines}
+    common = {
+        "header": header,
+        "routines": routines,
+        "fault": f"const char *{program.name}_fault(void)",
+    }
     return {
         f"{program.name}.c": render(
             "kernel.c.jinja",
@@ -131,7 +141,14 @@ def emit(program: Program) -> dict[str, str]:
             f=f,
             far=literal(FAR[program.scalar], f),
             sizes=sorted({2, 4, *scalar["widths"]}),
-            **{**scalar, "constants": constants},
+            **{
+                **scalar,
+                "constants": constants,
+                "samples": [literal(angle, f) for angle in scalar["samples"]],
+                "tolerance": literal(scalar["tolerance"], f),
+            },
+            x86=processors.X86,
+            arm=processors.ARM,
             **common,
         ),
         header: render(

@@ -11,33 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from arms import reference_model, reference_states
-from programs import everything_program, program, vector
+from programs import affine, everything_program, files
 
 import moro as mr
 import moro_codegen as mc
 from moro_codegen.builder import build
-from moro_codegen.functions import Function
 from moro_codegen.generate import generate
 from moro_codegen.toolchain import ToolchainError, find_compiler
-
-
-def affine(factor, name="affine"):
-    """f(q) = factor q: small, and told apart by what it returns."""
-    return program(
-        Function(
-            "f",
-            (vector("q"),),
-            (vector("y", 3),),
-            "A multiple.",
-            lambda system, q: [[factor * x for x in q]],
-        ),
-        name=name,
-    )
-
-
-def files(folder):
-    """Names of what is there, besides the locks of builders."""
-    return sorted(path.name for path in Path(folder).iterdir() if path.suffix != ".lock")
 
 
 def count_compilations(monkeypatch):

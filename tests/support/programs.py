@@ -1,6 +1,7 @@
 """Programs for tests: hand-made functions of every shape, and a plain evaluation of any graph."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 
@@ -111,3 +112,22 @@ _OPERATIONS = {
     "sign": lambda _, a: np.sign(a),
     "call": lambda node, *a: _FUNCTIONS[node.value](*a),
 }
+
+
+def affine(factor, name="affine"):
+    """f(q) = factor q: small, and told apart by what it returns."""
+    return program(
+        Function(
+            "f",
+            (vector("q"),),
+            (vector("y", 3),),
+            "A multiple.",
+            lambda system, q: [[factor * x for x in q]],
+        ),
+        name=name,
+    )
+
+
+def files(folder):
+    """Names of what is there, besides the locks of builders."""
+    return sorted(path.name for path in Path(folder).iterdir() if path.suffix != ".lock")
