@@ -1,6 +1,6 @@
 """How accurate kernels are: the errors of tau against 50 digits, and those of the sines.
 
-    python benchmarks/accuracy.py [STATES]
+    python -m benchmarks.accuracy [STATES]
 
 For every packaged arm, in double and in single precision, at random states: the largest error of
 the torques relative to the largest torque of the state. Batches give the bits of single calls,
@@ -14,13 +14,10 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
 
 import moro
+from benchmarks.charts import draw_accuracy
 from moro.io import packaged
 from moro_codegen import build, compile
 from moro_codegen.accuracy import sine_errors, tau_errors
@@ -31,8 +28,8 @@ from moro_codegen.graph import Graph
 RESULTS = Path(__file__).parent / "results"
 STATES = 500
 ANGLES = 4000
-#: for dtype, its unit roundoff, and the angle up to which sines do not leave it to libm
-TYPES = {"float64": (2.0**-53, 1e5), "float32": (2.0**-24, 1e3)}
+#: for dtype, the angle up to which sines do not leave it to libm
+TYPES = {"float64": 1e5, "float32": 1e3}
 PERCENTILES = (50, 90, 99, 100)
 
 
@@ -61,7 +58,7 @@ def errors_of_sines(dtype: str) -> np.ndarray:
     program = Program("circle", 1, ("revolute",), (), (entry,))
     program = replace(program, scalar="float" if dtype == "float32" else "double")
     rng = np.random.default_rng(1)
-    limit = TYPES[dtype][1]
+    limit = TYPES[dtype]
     x = np.concatenate([rng.uniform(-4, 4, ANGLES // 2), rng.uniform(-limit, limit, ANGLES // 2)])
     x = x.astype(dtype)
     with tempfile.TemporaryDirectory() as folder:
@@ -72,35 +69,6 @@ def errors_of_sines(dtype: str) -> np.ndarray:
 def summary(errors: np.ndarray) -> dict[str, float]:
     """Return percentiles of the errors."""
     return {f"{p} %": float(np.percentile(errors, p)) for p in PERCENTILES}
-
-
-def draw(tau: dict[str, dict[str, np.ndarray]], sines: dict[str, np.ndarray]) -> None:
-    """Draw how many of the states have errors up to a size."""
-    plt.rcParams.update({"svg.hashsalt": "moro", "svg.fonttype": "none", "font.size": 9})
-    figure, axes = plt.subplots(1, 3, figsize=(10, 3.2), layout="constrained", sharey=True)
-    for axis, (dtype, arms) in zip(axes[:2], tau.items(), strict=True):
-        roundoff = TYPES[dtype][0]
-        for name, errors in arms.items():
-            _steps(axis, errors / roundoff, name)
-        axis.set_xscale("log")
-        axis.set_title(f"tau, {dtype}")
-        axis.set_xlabel(f"error / largest torque, in units of $2^{{{np.log2(roundoff):.0f}}}$")
-    for dtype, errors in sines.items():
-        _steps(axes[2], errors, f"{dtype}, $|q| \\leq 10^{{{np.log10(TYPES[dtype][1]):.0f}}}$")
-    axes[2].set_title("sines and cosines")
-    axes[2].set_xlabel("error, in units in the last place")
-    axes[0].set_ylabel("share of states with at most this error")
-    for axis in axes:
-        axis.grid(alpha=0.3)
-        axis.legend(loc="lower right", fontsize=7)
-    for kind in ("svg", "png"):
-        metadata = {"Date": None} if kind == "svg" else {}
-        figure.savefig(RESULTS / f"accuracy.{kind}", dpi=100, metadata=metadata)
-
-
-def _steps(axis: plt.Axes, errors: np.ndarray, label: str) -> None:
-    share = np.linspace(0, 1, 101)
-    axis.plot(np.maximum(np.quantile(errors, share), 1e-3), share, label=label, linewidth=1.2)
 
 
 def main(states: int) -> None:
@@ -121,7 +89,8 @@ def main(states: int) -> None:
     }
     (RESULTS / "accuracy.json").write_text(json.dumps(report, indent=2) + "\n")
     print(json.dumps(report, indent=2))
-    draw(tau, sines)
+    for path in draw_accuracy(report, RESULTS):
+        print(path)
 
 
 if __name__ == "__main__":

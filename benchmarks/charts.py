@@ -1,5 +1,7 @@
 """Charts of a run, as PNG and SVG: ``python -m benchmarks.charts`` draws them anew from its JSON.
 
+``draw`` makes those of peers.json, ``draw_accuracy`` that of accuracy.json.
+
 Colours are Okabe and Ito's, told apart by colour-blind eyes too, and every series has a marker of
 its own and its name beside it.
 """
@@ -103,14 +105,22 @@ def draw(results: Record, folder: Path) -> Iterator[Path]:
     }
     with mpl.rc_context(LOOK):
         for name, chart in charts.items():
-            figure = chart(results)
-            if figure is None:
-                continue
-            for suffix in ("png", "svg"):
-                path = folder / f"{name}.{suffix}"
-                plain = {"Date": None} if suffix == "svg" else {}
-                figure.savefig(path, dpi=160, bbox_inches="tight", metadata=plain)
-                yield path
+            if figure := chart(results):
+                yield from _written(figure, folder, name)
+
+
+def draw_accuracy(results: Record, folder: Path) -> Iterator[Path]:
+    """Draw the chart of accuracy; yield the files written."""
+    with mpl.rc_context(LOOK):
+        yield from _written(accuracy(results), folder, "accuracy")
+
+
+def _written(figure: Figure, folder: Path, name: str) -> Iterator[Path]:
+    for suffix in ("png", "svg"):
+        path = folder / f"{name}.{suffix}"
+        plain = {"Date": None} if suffix == "svg" else {}
+        figure.savefig(path, dpi=160, bbox_inches="tight", metadata=plain)
+        yield path
 
 
 # -- dots: one row for each arm or function, time to the right -------------------------------------
@@ -221,6 +231,48 @@ def _apart(places: Sequence[float], widths: Sequence[float]) -> list[float]:
                 centers[i] -= overlap / 2
                 centers[i + 1] += overlap / 2
     return centers
+
+
+#: percentiles of errors: shades of one colour, the largest in ink
+PERCENTILES = {
+    "50 %": Style("half below", MORO.color, "o", ()),
+    "90 %": Style("90 %", "#4A9CC9", "D", (), "#2A7FB0"),
+    "99 %": Style("99 %", "#8FC1DE", "^", (), "#4587AC"),
+    "100 %": Style("largest", INK, "s", ()),
+}
+#: unit roundoff of each type
+ROUNDOFF = {"float64": -53, "float32": -24}
+
+
+def accuracy(results: Record) -> Figure:
+    """Errors of tau by arm, and of sines, in double and in single precision."""
+    arms = list(next(iter(results["tau"].values())))
+    figure = Figure(figsize=(9, 1.3 + 0.42 * (len(arms) + 1)))
+    panels = figure.subplots(1, len(ROUNDOFF), sharey=True)
+    for axes, (dtype, power) in zip(panels, ROUNDOFF.items(), strict=True):
+        rows = [{k: x / 2.0**power for k, x in results["tau"][dtype][arm].items()} for arm in arms]
+        rows.append(results["sines"][dtype])  # in units in the last place already
+        axes.set_xscale("log")
+        for y, row in enumerate(rows):
+            points = [(style, row[k]) for k, style in PERCENTILES.items()]
+            axes.plot([points[0][1], points[-1][1]], [y, y], color=PALE, lw=1.2, zorder=1)
+            for style, x in points:
+                axes.plot(x, y, style.marker, color=style.color, ms=6.5, mec="white", mew=0.6)
+        axes.set_yticks(range(len(rows)), [*(ARMS.get(a, a) for a in arms), "sines, cosines"])
+        axes.set_ylim(len(rows) - 0.5, -0.5)
+        axes.tick_params(axis="y", length=0)
+        axes.spines["left"].set_visible(False)
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
+        axes.xaxis.set_minor_locator(NullLocator())
+        axes.set_xlabel(f"error ÷ largest torque, in units of $2^{{{power}}}$\n"
+                        "(of sines: in units in the last place)")  # fmt: skip
+        axes.set_title(f"Errors of inverse dynamics, {dtype}", pad=30)
+        axes.margins(x=0.06)
+        axes.autoscale_view(scaley=False)
+        _names_above(axes, [(style, rows[0][k]) for k, style in PERCENTILES.items()])
+    figure.subplots_adjust(wspace=0.12)
+    return figure
 
 
 # -- lines -----------------------------------------------------------------------------------------
@@ -406,10 +458,11 @@ def _short(x: float) -> str:
 
 
 def main() -> None:
-    """Draw the charts of benchmarks/results/peers.json."""
+    """Draw the charts of benchmarks/results/peers.json and accuracy.json."""
     folder = Path(__file__).parent / "results"
-    for path in draw(json.loads((folder / "peers.json").read_text()), folder):
-        print(path)
+    for drawn, name in ((draw, "peers"), (draw_accuracy, "accuracy")):
+        for path in drawn(json.loads((folder / f"{name}.json").read_text()), folder):
+            print(path)
 
 
 if __name__ == "__main__":

@@ -68,7 +68,9 @@ def figures(results: Record) -> list[Figure]:
         found.append(Figure(f"{function} against {peer}, the least of all arms", 5, worst))
     counts = {r["arm"]: r["add"] + r["mul"] for r in results["operations"]}
     for arm, reach in OPERATIONS.items():
-        found.append(Figure(f"operations of tau, {arm}", reach, counts.get(arm), at_least=False))
+        found.append(
+            Figure(f"operations of tau, {arm}, rigid", reach, counts.get(arm), at_least=False)
+        )
     found.append(
         Figure(
             f"generating and compiling tau, {SHORT} to {LONG} joints, against linear growth",

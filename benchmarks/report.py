@@ -102,7 +102,7 @@ def _blocks(results: Record) -> Iterator[str]:
 
 def _row(figure: Figure) -> tuple[str, ...]:
     bound = "" if figure.at_least else "at most "
-    reached = "yes" if figure.reached else "no"
+    reached = "" if figure.reached else "**missed**"
     return figure.measure, f"{bound}{figure.reach:g}", _number(figure.now or 0), reached
 
 

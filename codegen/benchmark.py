@@ -14,6 +14,7 @@ from moro import Robot
 from moro.abc import t
 from moro_codegen.emit.describe import shape
 from moro_codegen.kernel import Kernel
+from moro_codegen.progress import tell
 from moro_codegen.verification import parameter_values
 
 #: samples of a batch
@@ -75,6 +76,7 @@ def time_tau(
 
 def time_function(kernel: Kernel, robot: Robot, name: str) -> list[Timing]:
     """Time a function of a kernel at one random state, and per sample of a batch."""
+    tell(f"timing {name}")
     rng = np.random.default_rng(0)
     values = [float(x) for x in parameter_values(robot, rng).values()]
     signature = kernel.signatures[name]
@@ -88,7 +90,8 @@ def time_function(kernel: Kernel, robot: Robot, name: str) -> list[Timing]:
     }
     one = seconds("function(*one, **parameters)", names)
     many = seconds("function(*batch, **parameters)", names) / BATCH
-    return [Timing("", one, function=name), Timing("", many, batch=True, function=name)]
+    what = "compiled kernel" if kernel.library else "NumPy kernel"
+    return [Timing(what, one, function=name), Timing(what, many, batch=True, function=name)]
 
 
 def lambdify_tau(robot: Robot) -> Callable[..., Any]:

@@ -33,6 +33,7 @@ from moro_codegen.emit.numpy import emit as emit_numpy
 from moro_codegen.emit.render import render
 from moro_codegen.generate import Program, generate
 from moro_codegen.kernel import Backend, Kernel, cython_folder, library
+from moro_codegen.progress import shown, tell
 from moro_codegen.requested import Request, requested
 from moro_codegen.signature import Signature
 from moro_codegen.store import FORMAT
@@ -50,6 +51,7 @@ SYMBOLS = ("fault", "key")
 LONG = 6000
 
 
+@shown()
 def compile(
     robot: Robot,
     functions: Sequence[Request] = ("tau",),
@@ -137,6 +139,7 @@ def _is_there(
     try:
         with store.lock(folder):
             if not store.is_current(folder, manifest):
+                tell(f"{'compiling' if compiler else 'writing'} {manifest['name']}")
                 _install(folder, texts, manifest, compiler)
                 return False
             if not store.has_input(folder, manifest):

@@ -13,6 +13,7 @@ from moro_codegen.convert import Converter
 from moro_codegen.factor import factored
 from moro_codegen.functions import FUNCTIONS, Argument, Function, System
 from moro_codegen.graph import Graph, Node, count, schedule
+from moro_codegen.progress import tell
 
 
 @dataclass(frozen=True)
@@ -107,6 +108,7 @@ def arranged(
     function: Function, graph: Graph, dof: int, build: Callable[..., Sequence[Sequence[Node]]]
 ) -> Routine:
     """Return the routine of what ``build`` makes of a function's inputs."""
+    tell(f"generating {function.name}")
     inputs = tuple(_resolved(argument, dof) for argument in function.inputs)
     outputs = tuple(_resolved(argument, dof) for argument in function.outputs)
     nodes = [[graph.input(a.name, k) for k in range(_size(a))] for a in inputs]

@@ -12,6 +12,7 @@ import numpy as np
 from moro import Robot
 from moro_codegen.functions import KNOWN
 from moro_codegen.kernel import Kernel
+from moro_codegen.progress import shown, tell
 from moro_codegen.symbolic_route import Array, Dynamics, SymbolicRoute
 
 __all__ = [
@@ -122,6 +123,7 @@ class Verification:
         )
 
 
+@shown()
 def verify(
     kernel: Kernel,
     robot: Robot,
@@ -152,6 +154,7 @@ def verify(
     errors: dict[str, Array] = {}
     unchecked = []
     for name, signature in kernel.signatures.items():
+        tell(f"comparing {name} with the equations")
         parts = _parts(name)
         if not parts:
             unchecked.append(name)

@@ -21,8 +21,10 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.figures import faster_peers, figures
+from moro import load
 from moro_codegen import FUNCTIONS
 from moro_codegen.functions import Argument
+from moro_codegen.generate import generate
 from moro_codegen.toolchain import find_compiler
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -88,6 +90,20 @@ def arguments() -> str:
     )
 
 
+def drives(arm: str) -> str:
+    """Return what friction and rotor inertia add to the operations of tau, as a sentence."""
+    robot = load(arm)
+    whole, rigid = (
+        generate(robot.model(), ("tau",), robot.parameters, rigid=alone).routines[0].ops
+        for alone in (False, True)
+    )
+    count = [sum(ops[kind] for kind in ("add", "sub", "mul", "div")) for ops in (whole, rigid)]
+    return (
+        f"Of the {count[0]} operations, {count[0] - count[1]} are for friction and rotor inertia. "
+        f"Other libraries leave them out, so the comparisons count the other {count[1]}.\n"
+    )
+
+
 def operations(kind: str) -> str:
     """Return the operations of tau as passes come ("+"), or with one left out ("all but")."""
     found = _results("operations")["operations"]
@@ -134,12 +150,13 @@ def symbolic(kind: str) -> str:
 def reached() -> str:
     """Return how moro compares with its peers, measure by measure."""
     return _table(
-        ("measure", "aim", "measured"),
+        ("measure", "aim", "measured", ""),
         (
             (
                 f.measure,
                 f"{'' if f.at_least else 'at most '}{f.reach:g}",
                 "not measured" if f.now is None else f"{f.now:.3g}",
+                "" if f.now is None or f.reached else "**missed**",
             )
             for f in figures(_results("peers"))
         ),
@@ -220,6 +237,7 @@ NAMES = {
         formula,
         console,
         machine,
+        drives,
         functions,
         arguments,
         operations,

@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).parent / "_extensions"))
 project = "moro"
 release = moro.__version__
 
-extensions = ["mathml", "reports", "myst_parser", "sphinx.ext.autodoc"]
+extensions = ["mathml", "reports", "myst_parser", "sphinx.ext.autodoc", "sphinx_copybutton"]
 exclude_patterns = ["_build"]
 
 myst_enable_extensions = ["amsmath", "deflist", "dollarmath"]
@@ -22,6 +22,10 @@ math_renderer = "mathml"
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 add_module_names = False
+
+# what is copied is what one types: no prompts, no output
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
 
 html_theme = "furo"
 html_title = "moro"

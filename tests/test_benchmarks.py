@@ -214,8 +214,8 @@ class TestReport:
         assert (casadi.now, casadi.reached) == (2.75, True)  # the faster of its two graphs
         assert not found["the same against Pinocchio's rnea"].reached
         assert found["the same against Pinocchio's rnea in a loop"].now == 80
-        assert found["operations of tau, ur5"].now == 210
-        assert found["operations of tau, puma560"].now is None
+        assert found["operations of tau, ur5, rigid"].now == 210
+        assert found["operations of tau, puma560, rigid"].now is None
         (growth,) = (f for f in found.values() if "linear growth" in f.measure)
         assert growth.now == pytest.approx(1.2)
         assert growth.reached
@@ -241,8 +241,19 @@ class TestReport:
     def test_a_part_is_reported_too(self, results):
         nothing = {name: [] for name in ("calls", "batches", "python", "growth", "making")}
         text = report.report({**results, **nothing})
-        assert "operations of tau, ur5" in text
+        assert "operations of tau, ur5, rigid" in text
         assert "faster" not in text.split("Operations of tau")[1]
+
+    def test_accuracy_chart(self, tmp_path):
+        charts = pytest.importorskip("benchmarks.charts", exc_type=ImportError)
+        errors = {"50 %": 1e-17, "90 %": 1e-16, "99 %": 2e-16, "100 %": 3e-16}
+        types = ("float64", "float32")
+        found = {"tau": {t: {"ur5": errors, "panda": errors} for t in types},
+                 "sines": dict.fromkeys(types, errors)}  # fmt: skip
+        written = [path.name for path in charts.draw_accuracy(found, tmp_path)]
+        assert written == ["accuracy.png", "accuracy.svg"]
+        text = (tmp_path / "accuracy.svg").read_text()
+        assert all(word in text for word in ("UR5", "Panda", "sines, cosines", "largest", "90 %"))
 
     def test_charts(self, results, tmp_path):
         charts = pytest.importorskip("benchmarks.charts", exc_type=ImportError)

@@ -34,7 +34,8 @@ def _epilog() -> str:
         [
             "\b\n" + "\n".join(["Functions:", *functions]),
             f"Packaged arms: {', '.join(packaged())}.",
-            "Exit code: 0 if the kernel verified, 1 if it did not, 2 if something given was wrong.",
+            "Exit code: 0 if the kernel verified, 1 if it did not, 2 if something given was wrong, "
+            "130 if it was interrupted.",
         ]
     )
 
@@ -131,6 +132,7 @@ def _print_versions(context: click.Context, _: click.Parameter, asked: bool) -> 
     callback=lambda context, _, given: _clear_cache(context) if given else None,
     help="Remove the kernels that moro_codegen.compile keeps, and exit.",
 )
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON document, not the table.")
 @click.option("--no-benchmark", is_flag=True, help="Leave out the times per call.")
 @click.option(
     "--version",
@@ -148,6 +150,7 @@ def main(
     scalar: str,
     languages: tuple[str, ...],
     arch: str,
+    as_json: bool,
     no_benchmark: bool,
 ) -> None:
     """Make a compiled kernel of an arm's dynamics, and prove it.
@@ -160,12 +163,19 @@ def main(
     try:
         arm, source = read(robot)
         # what follows needs SymPy and NumPy; a file that is refused does not
+        from moro_codegen.cli.document import document
         from moro_codegen.cli.job import Order, run
         from moro_codegen.cli.table import show
 
         order = Order(functions, output, backend, scalar, languages, arch, not no_benchmark)
         outcome = run(arm, order, source)
-        show(outcome)
+        if as_json:
+            click.echo(document(outcome))
+        else:
+            show(outcome)
+    except KeyboardInterrupt:  # as shells say it, 128 + SIGINT: 1 is "not verified"
+        click.echo("moro-codegen: interrupted", err=True)
+        sys.exit(130)
     except EXPECTED as error:
         click.echo(f"moro-codegen: error: {_message(error)}", err=True)
         sys.exit(2)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,10 +13,10 @@ from typing import Any
 from moro import Robot
 from moro_codegen.benchmark import LAMBDIFY_TERMS, Timing, lambdify_tau, time_function, time_tau
 from moro_codegen.builder import build, compile
-from moro_codegen.cli.progress import step
 from moro_codegen.described import described
 from moro_codegen.generate import generate
 from moro_codegen.kernel import Kernel
+from moro_codegen.progress import shown, tell
 from moro_codegen.requested import requested
 from moro_codegen.verification import SymbolicRoute, Verification, verify
 
@@ -44,22 +45,35 @@ class Outcome:
     #: how long each step took [s]: "derive", "generate", "compile", "verify"
     times: Mapping[str, float]
     timings: tuple[Timing, ...]
+    #: operations without friction and rotor inertia, of the one function of an arm that has them
+    rigid: Mapping[str, int] | None
+
+    @property
+    def files(self) -> list[str]:
+        """What lies in the kernel's folder; folders end with a slash."""
+        paths = self.kernel.directory.iterdir()
+        return sorted(path.name + "/" * path.is_dir() for path in paths)
 
 
+@shown()
 def run(robot: Robot, order: Order, source: Mapping[str, str]) -> Outcome:
     """Return the verified kernel of a robot; ``source`` is what the manifest says of its file."""
     times: dict[str, float] = {}
-    with step("deriving the equations of motion", times, "derive"):
+    tell("deriving the equations of motion")
+    with _timed(times, "derive"):
         route = SymbolicRoute(robot)
-    with step("generating and compiling", times):
-        kernel = _built(robot, order, source, times)
-    with step("comparing the kernel with the equations", times, "verify"):
+    kernel = _built(robot, order, source, times)
+    with _timed(times, "verify"):
         verification = verify(kernel, robot, route=route)
-    timings: list[Timing] = []
-    if order.benchmark:
-        with step("timing", times):
-            timings = _timings(kernel, robot, route)
-    return Outcome(robot, kernel, route, verification, times, tuple(timings))
+    timings = _timings(kernel, robot, route) if order.benchmark else []
+    return Outcome(robot, kernel, route, verification, times, tuple(timings), _rigid(robot, order))
+
+
+@contextmanager
+def _timed(times: dict[str, float], step: str) -> Iterator[None]:
+    start = time.perf_counter()
+    yield
+    times[step] = time.perf_counter() - start
 
 
 def _built(
@@ -84,6 +98,16 @@ def _built(
     return kernel
 
 
+def _rigid(robot: Robot, order: Order) -> Mapping[str, int] | None:
+    """Return what the one function costs without what the drives add, if they add anything."""
+    drives = robot.viscous_friction, robot.coulomb_friction, robot.rotor_inertias
+    if len(order.functions) != 1 or not any(x != 0 for values in drives for x in values or ()):
+        return None
+    functions = requested(order.functions, robot)
+    program = generate(robot.model(), functions, robot.parameters, rigid=True)
+    return program.routines[0].ops
+
+
 def _timings(kernel: Kernel, robot: Robot, route: SymbolicRoute) -> list[Timing]:
     """Time tau, also as NumPy code and as the equations through lambdify; and the others."""
     others = [
@@ -94,6 +118,7 @@ def _timings(kernel: Kernel, robot: Robot, route: SymbolicRoute) -> list[Timing]
     ]
     if "tau" not in kernel.signatures:
         return others
+    tell("timing tau")
     short = route.is_closed_form and route.terms <= LAMBDIFY_TERMS
     lambdified = lambdify_tau(robot) if short else None
     with TemporaryDirectory() as folder:

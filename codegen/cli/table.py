@@ -2,87 +2,145 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from rich.console import Console
-from rich.table import Table
+from rich.text import Text
 
 from moro import Robot
 from moro_codegen.benchmark import BATCH
 from moro_codegen.cli.job import Outcome
 
+#: spaces between columns
+GAP = " " * 3
+#: a note is wrapped to no fewer characters
+NARROW = 24
+
+
+class Row(NamedTuple):
+    """What, how much, and a note."""
+
+    what: str
+    value: str
+    note: str
+    style: str = "dim"
+
 
 def show(outcome: Outcome) -> None:
-    """Print the table, and what lies in the kernel's folder."""
+    """Print the table, and what lies in the kernel's folder.
+
+    Notes are wrapped to the width of a terminal. Elsewhere a row is a line, for grep.
+    """
     kernel = outcome.kernel
-    table = Table(box=None, show_header=False, padding=(0, 3, 0, 0))
-    table.add_column()
-    table.add_column(justify="right")
-    table.add_column(style="dim")
-    for row in _facts(outcome):
-        table.add_row(*row)
-    if outcome.timings:
-        table.add_row()
-    for row in _comparison(outcome):
-        table.add_row(*row)
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False, emoji=False)
     calls = [f"{s.name}({', '.join(a.name for a in s.given)})" for s in kernel.signatures.values()]
-    console.print(f"\n[bold]{kernel.name}: {', '.join(calls)}[/]\n")
-    console.print(table)
-    names = sorted(path.name + "/" * path.is_dir() for path in kernel.directory.iterdir())
-    files = ", ".join(names)
-    console.print(f"\n{_shown(kernel.directory)}: {files}", soft_wrap=True)
+    title = f"{kernel.name}: {', '.join(calls)}"
+    console.print()
+    console.print(Text(title, style="bold"), soft_wrap=not console.is_terminal)
+    blocks = [list(_facts(outcome)), list(_comparison(outcome))]
+    what, value = (max(len(row[k]) for block in blocks for row in block) for k in (0, 1))
+    left = console.width - what - value - 2 * len(GAP)
+    room = max(left, NARROW) if console.is_terminal else None
+    for block in filter(None, blocks):
+        console.print()
+        for row in block:
+            console.print(_laid_out(row, what, value, room), soft_wrap=True)
+    if len(kernel.signatures) > 1:
+        console.print()
+        for line in _columns(list(_by_function(outcome))):
+            console.print(line, soft_wrap=True)
+        if outcome.timings:
+            console.print(f"(one call from Python; in a batch of {BATCH}, per sample)", style="dim")
+    console.print(f"\n{_shown(kernel.directory)}: {', '.join(outcome.files)}", soft_wrap=True)
 
 
-def _facts(outcome: Outcome) -> Iterator[tuple[str, str, str]]:
+def _laid_out(row: Row, what: int, value: int, room: int | None) -> Text:
+    """Return a row for columns of these widths, its note wrapped into what room there is."""
+    left = f"{row.what:<{what}}{GAP}{row.value:>{value}}{GAP}"
+    lines = textwrap.wrap(row.note, room) if room else [row.note]
+    return Text.assemble(left, (f"\n{'':{len(left)}}".join(lines), row.style))
+
+
+def _facts(outcome: Outcome) -> Iterator[Row]:
     """Yield what the kernel is, how long it took, and whether it is right."""
     robot, kernel, times = outcome.robot, outcome.kernel, outcome.times
     route, verification = outcome.route, outcome.verification
-    yield "joints", str(robot.dof), f"{_kinds(robot)}, {robot.convention} convention"
+    yield Row("joints", str(robot.dof), f"{_kinds(robot)}, {robot.convention} convention")
     if kernel.manifest["scalar"] == "float":
-        yield "scalar type", "float", "single precision"
+        yield Row("scalar type", "float", "single precision")
     if kernel.parameters:
-        yield "parameters", str(len(kernel.parameters)), ", ".join(kernel.parameters)
-    for name, ops in kernel.ops.items():
-        arithmetic = {kind: ops[kind] for kind in ("add", "sub", "mul", "div") if ops[kind]}
-        counts = " + ".join(f"{count} {kind}" for kind, count in arithmetic.items()) or "none"
-        what = "operations" if len(kernel.ops) == 1 else f"operations of {name}"
-        yield what, str(sum(arithmetic.values())), f"{counts}; {ops['sincos']} sin-cos pairs"
+        yield Row("parameters", str(len(kernel.parameters)), ", ".join(kernel.parameters))
+    if len(kernel.ops) == 1:
+        (ops,) = kernel.ops.values()
+        counts = " + ".join(f"{count} {kind}" for kind, count in _arithmetic(ops).items())
+        note = f"{counts or 'none'}; {ops['sincos']} sin-cos pairs"
+        yield Row("operations", str(_operations(ops)), note)
+        if outcome.rigid and (drives := _operations(ops) - _operations(outcome.rigid)):
+            yield Row("", str(drives), "of these for friction and rotor inertia")
     length = f"{route.terms} terms" if route.is_closed_form else "too long to write out"
-    yield "time to derive", _duration(times["derive"]), f"M, C, G: {length}"
-    yield "time to generate", _duration(times["generate"]), "from model to source text"
+    yield Row("time to derive", _duration(times["derive"]), f"M, C, G: {length}")
+    yield Row("time to generate", _duration(times["generate"]), "from model to source text")
     compiler = (kernel.manifest["compiler"] or {}).get("version", "no compiler needed")
     if kernel.reused:
-        yield "time to compile", "-", "built before from the same input"
+        yield Row("time to compile", "-", "built before from the same input")
     else:
-        yield "time to compile", _duration(times["compile"]), compiler
-    if len(kernel.ops) > 1:
-        for name, error in verification.max_errors.items():
-            yield f"error of {name}", f"{error:.1e}", ""
-    for name in verification.unchecked:
-        yield f"error of {name}", "-", "not checked: the symbolic route has no such function"
+        yield Row("time to compile", _duration(times["compile"]), compiler)
     states = f"{len(verification.q)} states, against the {verification.route}"
-    verdict = "verified" if verification.passed else "[bold red]NOT VERIFIED[/]"
-    yield "largest error", f"{verification.max_error:.1e}", f"{verdict}: {states}"
+    verdict, style = ("verified", "dim") if verification.passed else ("NOT VERIFIED", "bold red")
+    yield Row("largest error", f"{verification.max_error:.1e}", f"{verdict}: {states}", style)
+    for name in verification.unchecked:
+        yield Row("not checked", "-", f"{name}: the symbolic route has no such function")
 
 
-def _comparison(outcome: Outcome) -> Iterator[tuple[str, str, str]]:
-    """Yield the times per call, and per sample of a batch, as multiples of the kernel's."""
-    others = [timing for timing in outcome.timings if timing.function != "tau"]
-    timings = [timing for timing in outcome.timings if timing.function == "tau"]
-    route = outcome.route
-    for batch, title in ((False, "one call from Python"), (True, f"per sample of {BATCH}")):
+def _comparison(outcome: Outcome) -> Iterator[Row]:
+    """Yield the times of tau, or else of the one function, as multiples of the kernel's."""
+    names = list(outcome.kernel.signatures)
+    name = names[0] if len(names) == 1 else "tau"
+    timings = [timing for timing in outcome.timings if timing.function == name]
+    for batch, title in (
+        (False, f"one call of {name} from Python"),
+        (True, f"{name} per sample of {BATCH}"),
+    ):
         same = [timing for timing in timings if timing.batch == batch]
         for timing in same:
             ratio = timing.seconds / same[0].seconds
             multiple = "" if timing is same[0] else f", {_ratio(ratio)} the kernel"
-            yield timing.what, _duration(timing.seconds), f"{title}{multiple}"
-        if same and not batch and not any(timing.what == "SymPy lambdify" for timing in same):
-            yield "SymPy lambdify", "-", f"left out: {route.terms:,} terms take it too long"
-    for one, many in zip(others[::2], others[1::2], strict=True):
-        batch_time = f"{_duration(many.seconds)} per sample of {BATCH}"
-        yield one.function, _duration(one.seconds), f"one call from Python; {batch_time}"
+            yield Row(timing.what, _duration(timing.seconds), f"{title}{multiple}")
+        if name == "tau" and same and not batch and "SymPy lambdify" not in [t.what for t in same]:
+            left_out = f"left out: {outcome.route.terms:,} terms take it too long"
+            yield Row("SymPy lambdify", "-", left_out)
+
+
+def _by_function(outcome: Outcome) -> Iterator[tuple[str, ...]]:
+    """Yield operations, error and times of each function, under a header."""
+    errors = outcome.verification.max_errors
+    times = ["one call", "in a batch"] if outcome.timings else []
+    yield "", "operations", "sin-cos", "error", *times
+    for name, ops in outcome.kernel.ops.items():
+        error = f"{errors[name]:.1e}" if name in errors else "-"
+        # of tau the kernel's own come first
+        own = [[t for t in outcome.timings if (t.function, t.batch) == (name, b)] for b in (0, 1)]
+        times = [_duration(timings[0].seconds) for timings in own if timings]
+        yield name, str(_operations(ops)), str(ops["sincos"]), error, *times
+
+
+def _columns(rows: Sequence[Sequence[str]]) -> Iterator[Text]:
+    """Yield lines of aligned columns, numbers to the right, under a dim header."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for i, (name, *cells) in enumerate(rows):
+        numbers = [f"{cell:>{width}}" for cell, width in zip(cells, widths[1:], strict=True)]
+        yield Text("  ".join([f"{name:<{widths[0]}}", *numbers]), style="" if i else "dim")
+
+
+def _arithmetic(ops: Mapping[str, int]) -> dict[str, int]:
+    return {kind: ops[kind] for kind in ("add", "sub", "mul", "div") if ops[kind]}
+
+
+def _operations(ops: Mapping[str, int]) -> int:
+    return sum(_arithmetic(ops).values())
 
 
 def _kinds(robot: Robot) -> str:
