@@ -6,7 +6,7 @@ the body's inertial parameters. Modified DH has Rx(alpha) Tx(a) before the joint
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import sympy as sp
@@ -73,18 +73,64 @@ def _body(arm: Arm, i: int) -> Body:
         zeros = (_ZERO, _ZERO, _ZERO)
         return Body(_ZERO, zeros, (zeros, zeros, zeros))
     m, pose = arm.masses[i], _after(arm, i)
-    x, y, z = (
-        sum((R * c for R, c in zip(row, arm.cm_positions[i], strict=True)), p)
+    a, b, c = arm.inertia_tensors[i]
+    cx, cy, cz = arm.cm_positions[i]
+    if any(map(_divisors, (m, cx, cy, cz, *a, *b, *c))):
+        return _body_of_quotients(m, (cx, cy, cz), (a, b, c), pose)
+    x, y, z = r = _moved((cx, cy, cz), pose)
+    I = _times(_times(pose.R, (a, b, c)), _transpose(pose.R))
+    return Body(m, (m * x, m * y, m * z), _sum(I, _spread(m, r, r)))
+
+
+def _body_of_quotients(m: Any, r: Vector, I: Matrix, pose: Placement) -> Body:
+    """Return a body whose centre of mass or tensor is divided by symbols, as a rule by its mass.
+
+    Its moments about the origin of the frame that they are given in, h = m r and I + m (r.r 1 - r
+    r^T), often need no division: they are formed in lowest terms, and only then moved by p. About
+    the origin of the joint's frame, R (h, I) R^T and p add up to
+
+        h + m p,    I + m (p.p 1 - p p^T) + 2 h.p 1 - h p^T - p h^T.
+    """
+    x, y, z = r
+    m, h, I = _cancelled(m), (m * x, m * y, m * z), _sum(I, _spread(m, r, r))
+    h, I = _vector(map(_cancelled, h)), _matrix([map(_cancelled, row) for row in I])
+    h, I = _moved(h, Placement(pose.R, (_ZERO,) * 3)), _times(_times(pose.R, I), _transpose(pose.R))
+    p = pose.p
+    for part in (_spread(m, p, p), _spread(1, h, p), _spread(1, p, h)):
+        I = _sum(I, part)
+    h = _vector(x + m * y for x, y in zip(h, p, strict=True))
+    return Body(m, _vector(map(_cancelled, h)), _matrix([map(_cancelled, row) for row in I]))
+
+
+def _cancelled(x: Any) -> Any:
+    """Return an expression in lowest terms, if it is divided by fewer symbols then."""
+    divisors = _divisors(x)
+    if not divisors:
+        return x
+    lowest = sp.cancel(x)
+    return lowest if _divisors(lowest) < divisors else x
+
+
+def _divisors(x: Any) -> set[Any]:
+    """Return the symbols that an expression is divided by."""
+    powers = sp.sympify(x).atoms(sp.Pow)
+    found = (y.base.free_symbols for y in powers if y.exp.could_extract_minus_sign())
+    return set().union(*found)
+
+
+def _spread(m: Any, r: Vector, s: Vector) -> Matrix:
+    """Return m (r.s 1 - r s^T): for r = s, the tensor of a mass m at r about the origin."""
+    both = r[0] * s[0] + r[1] * s[1] + r[2] * s[2]
+    return _matrix(
+        [[m * ((both if j == k else _ZERO) - r[j] * s[k]) for k in range(3)] for j in range(3)]
+    )
+
+
+def _moved(r: Vector, pose: Placement) -> Vector:
+    return _vector(
+        sum((R * c for R, c in zip(row, r, strict=True)), p)
         for row, p in zip(pose.R, pose.p, strict=True)
     )
-    a, b, c = arm.inertia_tensors[i]
-    I = _times(_times(pose.R, (a, b, c)), _transpose(pose.R))
-    r, rr = (x, y, z), x * x + y * y + z * z
-    about_origin = [
-        [I[j][k] + m * ((rr if j == k else _ZERO) - r[j] * r[k]) for k in range(3)]
-        for j in range(3)
-    ]
-    return Body(m, (m * x, m * y, m * z), _matrix(about_origin))
 
 
 def _rotation_x(alpha: Any) -> Matrix:
@@ -107,10 +153,15 @@ def _transpose(A: Matrix) -> Matrix:
     return _matrix([list(column) for column in zip(*A, strict=True)])
 
 
-def _matrix(rows: Sequence[Sequence[Any]]) -> Matrix:
-    def vector(row: Sequence[Any]) -> Vector:
-        x, y, z = row
-        return x, y, z
+def _sum(A: Matrix, B: Matrix) -> Matrix:
+    return _matrix([[a + b for a, b in zip(r, s, strict=True)] for r, s in zip(A, B, strict=True)])
 
-    a, b, c = map(vector, rows)
+
+def _matrix(rows: Iterable[Iterable[Any]]) -> Matrix:
+    a, b, c = map(_vector, rows)
     return a, b, c
+
+
+def _vector(components: Iterable[Any]) -> Vector:
+    x, y, z = components
+    return x, y, z

@@ -2,8 +2,8 @@
 
 Evaluation at a point respects + and *, so what is independent there is independent as polynomials:
 a rank is proven by linear algebra over whole numbers, without expanding anything. Pairs of sine and
-cosine lie on the circle, s = 2 u / (1 + u^2), c = (1 - u^2) / (1 + u^2), and square roots of whole
-numbers are roots mod the prime.
+cosine lie on the circle, s = 2 u / (1 + u^2), c = (1 - u^2) / (1 + u^2), square roots of whole
+numbers are roots mod the prime, and reciprocals inverses.
 """
 
 from __future__ import annotations
@@ -65,6 +65,8 @@ class RandomPoint:
             meaning = self._ring.generators[index]
             if pair is not None:
                 self._choose_on_circle(*pair)
+            elif index in self._ring.reciprocals:
+                self._values[index] = self._inverse(self.evaluate(self._ring.reciprocals[index]))
             elif _is_root(meaning):
                 root = sp.sqrt_mod(int(meaning.base), self.prime)
                 self._values[index] = self.one * int(root)
@@ -74,10 +76,13 @@ class RandomPoint:
 
     def _choose_on_circle(self, angle: Any, pair: tuple[int, int]) -> None:
         u = self._choose(angle)
-        scale = self._array([pow(int(x), -1, self.prime) for x in 1 + u * u])
+        scale = self._inverse(1 + u * u)
         sine, cosine = pair
         self._values[sine] = 2 * u * scale % self.prime
         self._values[cosine] = (1 - u * u) * scale % self.prime
+
+    def _inverse(self, numbers: Any) -> Any:
+        return self._array([pow(int(x), -1, self.prime) for x in numbers])
 
     def _choose(self, meaning: Any) -> Any:
         if any(meaning.has(x) for x in self._moving):

@@ -11,7 +11,8 @@ Generators come into being when they are first asked for. They are
 
 - symbols (and whatever is not a polynomial, taken as a whole: ``sqrt(l)``, ``exp(x)``),
 - square roots of integers, with ``g^2`` an integer,
-- pairs (sine, cosine) of an angle, with ``s^2 = 1 - c^2``.
+- pairs (sine, cosine) of an angle, with ``s^2 = 1 - c^2``,
+- reciprocals of sums and symbols p, with ``g p = 1``: a denominator cancels where it is a factor.
 
 Angles are sums of joint variables. Consecutive parallel joints share one group of angles, q2 and
 q2 + q3, so that their rotations compose without products; see ``TrigRing.declare_angles``.
@@ -142,6 +143,10 @@ class TrigRing:
         self._reducible = 0
         self._sines: dict[int, int] = {}  # index of sine -> index of cosine
         self._roots: dict[int, int] = {}  # index of square root -> its square
+        #: index of a reciprocal -> the polynomial in symbols that it is one over
+        self.reciprocals: dict[int, Trig] = {}
+        # g p = 1, solved for the leading monomial of g p: (leading, its fields' highest bits, rest)
+        self._cancelling: list[tuple[Monomial, int, list[tuple[Monomial, Coefficient]]]] = []
         #: basic angle -> (index of sine, index of cosine)
         self.pairs: dict[Any, tuple[int, int]] = {}
         #: basic angles of parallel joints, in order, by group
@@ -207,8 +212,35 @@ class TrigRing:
             product = product * self.generator(root)
         return product
 
+    def _reciprocal(self, base: Any) -> Trig:
+        """Return one over ``base``; a polynomial in symbols cancels with it in products."""
+        meaning = sp.Pow(base, -1)
+        symbols = base.free_symbols
+        if meaning not in self._index and symbols and base.is_polynomial(*symbols):
+            divisor = self.convert(base)
+            reciprocal = self.generator(meaning)
+            factors = {i for m in divisor.terms for i, _ in self.exponents(m)}
+            if all(self.generators[i].is_Symbol for i in factors):
+                self.reciprocals[self._index[meaning]] = divisor
+                self._cancel_with(divisor, *reciprocal.terms)
+        return self.generator(meaning)
+
+    def _cancel_with(self, divisor: Trig, reciprocal: Monomial) -> None:
+        """Let products of a divisor's leading monomial and its reciprocal be replaced.
+
+        Monomials are compared as integers, which is a lexicographic order: every step makes them
+        smaller, so it ends.
+        """
+        leading = max(divisor.terms)
+        scale = 1 / Fraction(divisor.terms[leading])
+        rest = [(m + reciprocal, -c * scale) for m, c in divisor.terms.items() if m != leading]
+        product = leading + reciprocal
+        highest = sum(self.unit(i) << _BITS - 1 for i, _ in self.exponents(product))
+        rest = [(0, scale), *rest]
+        self._cancelling.append((product, highest, [(m, _as_integer(c)) for m, c in rest]))
+
     def reduced(self, terms: dict[Monomial, Coefficient]) -> dict[Monomial, Coefficient]:
-        """Apply ``s^2 = 1 - c^2`` and ``sqrt(n)^2 = n`` until neither applies; drop zeros."""
+        """Apply ``s^2 = 1 - c^2``, ``sqrt(n)^2 = n``, ``g p = 1`` until none does; drop zeros."""
         if monotonic() > self._deadline:
             raise TimeoutError("the closed form takes longer than the time limit")
         mask = self._reducible
@@ -222,7 +254,23 @@ class TrigRing:
                         work.append((m2, c2))
                     else:
                         terms[m2] = terms.get(m2, 0) + c2
+        if self._cancelling:
+            terms = self._cancelled(terms)
         return {m: c for m, c in terms.items() if c}
+
+    def _cancelled(self, terms: dict[Monomial, Coefficient]) -> dict[Monomial, Coefficient]:
+        done: dict[Monomial, Coefficient] = {}
+        work = dict(terms)
+        while work:
+            m, c = work.popitem()
+            for leading, highest, rest in self._cancelling:
+                if ((m | highest) - leading) & highest == highest:  # no field of m is the smaller
+                    for other, factor in rest:
+                        _accumulate(work, m - leading + other, c * factor)
+                    break
+            else:
+                _accumulate(done, m, c)
+        return done
 
     def _reduced_once(self, m: Monomial, c: Coefficient) -> list[tuple[Monomial, Coefficient]]:
         bits = m & self._reducible
@@ -275,9 +323,9 @@ class TrigRing:
 
     def _power(self, power: Any) -> Trig:
         base, exponent = power.args
-        if exponent.is_Integer and exponent > 0:
-            factor = self.convert(base)
-            return self._repeated_product(factor, int(exponent))
+        if exponent.is_Integer:
+            factor = self.convert(base) if exponent > 0 else self._reciprocal(base)
+            return self._repeated_product(factor, abs(int(exponent)))
         if base.is_Integer and base > 0 and exponent == sp.Rational(1, 2):
             return self._root(int(base))
         return self.generator(power)
