@@ -5,6 +5,7 @@ build           the same for a generated program, in a folder of one's own
 lambdify        any symbolic result as a fast function of NumPy arrays
 FUNCTIONS       what can be compiled, by name
 Function        a SymPy expression as one more function to compile
+Regressor       "regressor" with or without the parameters that are zero
 ToolchainError  no C compiler that works
 """
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from moro_codegen.functions import KNOWN as FUNCTIONS
     from moro_codegen.kernel import Kernel
     from moro_codegen.lambdified import lambdify
+    from moro_codegen.regressor import Regressor
     from moro_codegen.toolchain import ToolchainError
     from moro_codegen.verification import Verification, verify
 
@@ -27,6 +29,7 @@ __all__ = [
     "FUNCTIONS",
     "Function",
     "Kernel",
+    "Regressor",
     "ToolchainError",
     "Verification",
     "build",
@@ -40,6 +43,7 @@ _HOMES = {
     "FUNCTIONS": "moro_codegen.functions:KNOWN",
     "Function": "moro_codegen.expressions:UserFunction",
     "Kernel": "moro_codegen.kernel:Kernel",
+    "Regressor": "moro_codegen.regressor:Regressor",
     "ToolchainError": "moro_codegen.toolchain:ToolchainError",
     "Verification": "moro_codegen.verification:Verification",
     "build": "moro_codegen.builder:build",

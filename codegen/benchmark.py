@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from timeit import Timer
 from typing import Any
@@ -15,7 +15,7 @@ from moro.abc import t
 from moro_codegen.emit.describe import shape
 from moro_codegen.kernel import Kernel
 from moro_codegen.progress import tell
-from moro_codegen.verification import parameter_values
+from moro_codegen.verification import for_kernel, parameter_values
 
 #: samples of a batch
 BATCH = 4096
@@ -44,7 +44,7 @@ def time_tau(
     low, high = np.array(robot.joint_limits, dtype=float).T
     q = rng.uniform(low, high, (BATCH, robot.dof))
     qd, qdd = rng.standard_normal((2, BATCH, robot.dof))
-    values = {str(s): x for s, x in parameter_values(robot, rng).items()}
+    values = parameter_values(robot, rng)
     dtype = kernel.signatures["tau"].dtype
     numbers = [float(x) for x in (*q[0], *qd[0], *qdd[0], *values.values())]
     q, qd, qdd = (x.astype(dtype) for x in (q, qd, qdd))
@@ -53,22 +53,23 @@ def time_tau(
         "in_numpy": numpy_kernel.tau,
         "out": np.empty(robot.dof, dtype),
         "outs": np.empty_like(q),
-        "parameters": np.array(list(values.values()), dtype) if values else None,
+        "kernels": _parameters(kernel, values, dtype),
+        "numpys": _parameters(numpy_kernel, values, dtype),
     }
     for name, array in {"q": q, "qd": qd, "qdd": qdd}.items():
         names |= {name: array[0].copy(), f"{name}s": array}
-    given = ", parameters=parameters" if values else ""
-    one, batch = f"(q, qd, qdd{given}", f"(qs, qds, qdds{given}"
+    given = ", parameters=kernels" if kernel.parameters else ""
+    given_in_numpy = ", parameters=numpys" if numpy_kernel.parameters else ""
     timings = [
-        Timing("compiled kernel", seconds(f"kernel{one}, out=out)", names)),
-        Timing("the same in NumPy", seconds(f"in_numpy{one})", names)),
+        Timing("compiled kernel", seconds(f"kernel(q, qd, qdd{given}, out=out)", names)),
+        Timing("the same in NumPy", seconds(f"in_numpy(q, qd, qdd{given_in_numpy})", names)),
     ]
     if lambdified is not None:
         names |= {"lambdified": lambdified, "numbers": numbers}
         timings.append(Timing("SymPy lambdify", seconds("lambdified(*numbers)", names)))
     for what, call in (
-        ("compiled kernel", f"kernel{batch}, out=outs)"),
-        ("the same in NumPy", f"in_numpy{batch})"),
+        ("compiled kernel", f"kernel(qs, qds, qdds{given}, out=outs)"),
+        ("the same in NumPy", f"in_numpy(qs, qds, qdds{given_in_numpy})"),
     ):
         timings.append(Timing(what, seconds(call, names) / BATCH, batch=True))
     return timings
@@ -78,7 +79,7 @@ def time_function(kernel: Kernel, robot: Robot, name: str) -> list[Timing]:
     """Time a function of a kernel at one random state, and per sample of a batch."""
     tell(f"timing {name}")
     rng = np.random.default_rng(0)
-    values = [float(x) for x in parameter_values(robot, rng).values()]
+    values = parameter_values(robot, rng)
     signature = kernel.signatures[name]
     dtype = signature.dtype
     batch = [rng.uniform(-1, 1, (BATCH, *shape(a))).astype(dtype) for a in signature.given]
@@ -86,12 +87,19 @@ def time_function(kernel: Kernel, robot: Robot, name: str) -> list[Timing]:
         "function": getattr(kernel, name),
         "one": [x[0].copy() for x in batch],
         "batch": batch,
-        "parameters": {"parameters": np.array(values, dtype)} if values else {},
+        "parameters": (
+            {"parameters": _parameters(kernel, values, dtype)} if kernel.parameters else {}
+        ),
     }
     one = seconds("function(*one, **parameters)", names)
     many = seconds("function(*batch, **parameters)", names) / BATCH
     what = "compiled kernel" if kernel.library else "NumPy kernel"
     return [Timing(what, one, function=name), Timing(what, many, batch=True, function=name)]
+
+
+def _parameters(kernel: Kernel, values: Mapping[Any, float], dtype: str) -> Any:
+    """Return the run-time parameters of a kernel, for the values of a robot's symbols."""
+    return np.array(list(for_kernel(kernel, values).values()), dtype)
 
 
 def lambdify_tau(robot: Robot) -> Callable[..., Any]:

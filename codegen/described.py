@@ -33,7 +33,7 @@ def meanings(robot: Robot) -> dict[str, str]:
     of a longer expression is "in" it.
     """
     places: dict[str, dict[tuple[str, str], list[str]]] = {str(s): {} for s in robot.parameters}
-    for what, owner, number, value in _constants(robot):
+    for what, owner, number, value in constants(robot):
         for symbol in value.free_symbols:
             text = what if value == symbol else f"in {what}"
             numbers = places.get(str(symbol), {}).setdefault((text, owner), [])
@@ -52,7 +52,7 @@ def _said(places: dict[tuple[str, str], list[str]]) -> Iterator[str]:
         yield f"{what} of {owner}{'s' * bool(most)} {listed}"
 
 
-def _constants(robot: Robot) -> Iterator[tuple[str, str, int, Any]]:
+def constants(robot: Robot) -> Iterator[tuple[str, str, int, Any]]:
     """Yield each constant: what it is, of a row, link or joint, of which, and its value."""
     arm = robot.arm
     for i, row in enumerate(arm.rows, 1):

@@ -10,7 +10,7 @@ from __future__ import annotations
 import keyword
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from moro.abc import t
+from moro.checks import number, suggestion
 from moro.robot import Robot
 from moro_codegen.convert import Converter
 from moro_codegen.emit.c import RESERVED as C_NAMES
@@ -47,16 +48,22 @@ class UserFunction:
     ``expression`` is a scalar, matrix or array of the joint variables q_i(t), their derivatives
     by t, and the robot's parameters; or a list or tuple of those, for several results. A column is
     a vector. The function takes those of q, qd and qdd that occur, in this order (q if none does).
-    ``summary`` and ``unit`` go into docstrings and headers.
+    ``summary`` and ``unit`` go into docstrings and headers. ``parameters`` are symbols that the
+    robot does not have, or their names, with their defaults (None: no default):
 
-    Raises ValueError if ``name`` cannot name a function in C and Python, or if the expression is
-    empty or has more than two axes; TypeError for what is no expression.
+        torque = mc.Function("torque", -Kp * q1, parameters={Kp: 100})
+        kernel.torque(q, parameters={"Kp": 50})
+
+    Raises ValueError if ``name`` cannot name a function in C and Python, if the expression is
+    empty or has more than two axes, or does not hold one of the parameters; TypeError for what is
+    no expression, or no number.
     """
 
     name: str
     expression: Any
     summary: str = ""
     unit: str = "SI"
+    parameters: Mapping[Any, Any] = field(default_factory=dict, repr=False)
     #: the expression's results: shape and entries of each
     results: tuple[Result, ...] = field(init=False, repr=False)
 
@@ -70,11 +77,18 @@ class UserFunction:
                 raise ValueError(
                     f"{self.name}: a result has at most two axes, found shape {result.shape}"
                 )
+        own = own_defaults(self.parameters, self.results, self.name)
+        object.__setattr__(self, "parameters", own)
 
     def entry(self, robot: Robot) -> Function:
-        """Return the function for a robot. Raise ValueError if it has not all of the symbols."""
-        formula = Formula.of(self.name, self.results, Scope.of(robot))
-        return formula.entry(self.summary, self.unit)
+        """Return the function for a robot.
+
+        Raises ValueError if there are symbols that neither has, or that both have.
+        """
+        scope = Scope.of(robot, self.parameters, self.name)
+        formula = Formula.of(self.name, self.results, scope)
+        entry = formula.entry(self.summary, self.unit)
+        return replace(entry, parameters=self.parameters)
 
 
 @dataclass(frozen=True)
@@ -96,14 +110,24 @@ class Scope:
     parameters: Sequence[Any]
 
     @classmethod
-    def of(cls, robot: Robot) -> Scope:
-        """Return what a robot's expressions may contain."""
+    def of(cls, robot: Robot, own: Iterable[Any], name: str) -> Scope:
+        """Return what an expression of a robot may contain that brings parameters of its own.
+
+        Raises ValueError if the robot has them as well.
+        """
+        names = {str(symbol) for symbol in robot.parameters}
+        for symbol in own:
+            if str(symbol) in names:
+                raise ValueError(
+                    f"{name}: {symbol} is a parameter of {robot.name} already, which gives its "
+                    "default: leave it out of the function's parameters"
+                )
         motion: dict[Any, tuple[str, int]] = {}
         for i, q in enumerate(robot.qs):
             motion[q] = ("q", i)
             if not q.is_Symbol:
                 motion[q.diff(t)], motion[q.diff(t, 2)] = ("qd", i), ("qdd", i)
-        return cls(robot.name, motion, tuple(robot.parameters))
+        return cls(robot.name, motion, (*robot.parameters, *own))
 
     def used(self, expressions: Iterable[Any], name: str) -> set[Any]:
         """Return the symbols that occur. Raise ValueError for those that are not known."""
@@ -132,7 +156,17 @@ class Scope:
             f"{name} contains {', '.join(map(str, unknown))}: known of {self.robot} are its joint "
             f"variables {', '.join(str(q) for q, (a, _) in self.motion.items() if a == 'q')}, "
             f"their first and second derivatives by time, and {there}{hint}"
+            f"{self._remedy(unknown, names) if not alike else ''}"
         )
+
+    def _remedy(self, unknown: Sequence[Any], names: Sequence[str]) -> str:
+        """Return the name that is nearest, or how a symbol becomes a parameter."""
+        symbols = [str(symbol) for symbol in unknown if symbol.is_Symbol and symbol != t]
+        near = next(filter(None, (suggestion(x, names) for x in symbols)), "")
+        if near or not symbols:
+            return near
+        given = ", ".join(f"{x}: default" for x in symbols)
+        return f"; symbols of its own it gets by parameters={{{given}}}"
 
 
 @dataclass(frozen=True)
@@ -154,13 +188,13 @@ class Formula:
         inputs = tuple(a for a in MOTION if a.name in arguments) or (Q,)
         return cls(name, results, scope, frozenset(used), inputs)
 
-    def nodes(self, graph: Graph, *given: Sequence[Node]) -> list[list[Node]]:
-        """Return the entries of each result, for the components of the inputs."""
+    def nodes(
+        self, graph: Graph, parameters: Mapping[Any, Node], *given: Sequence[Node]
+    ) -> list[list[Node]]:
+        """Return the entries of each result, for the parameters and components of the inputs."""
         values = dict(zip((a.name for a in self.inputs), given, strict=True))
         known = {s: values[a][i] for s, (a, i) in self.scope.motion.items() if s in self.used}
-        for k, symbol in enumerate(self.scope.parameters):
-            known[symbol] = graph.input("parameters", k)
-        convert = Converter(graph, known)
+        convert = Converter(graph, {**parameters, **known})
         try:
             return [[convert(x) for x in result.entries] for result in self.results]
         except (ValueError, ZeroDivisionError) as error:
@@ -175,7 +209,7 @@ class Formula:
         )
 
         def build(system: System, *given: Sequence[Node]) -> list[list[Node]]:
-            return self.nodes(system.graph, *given)
+            return self.nodes(system.graph, system.parameters, *given)
 
         return Function(
             name, self.inputs, outputs, summary or "A function of the user's own.", build
@@ -189,6 +223,26 @@ def results_of(expression: Any, name: str) -> tuple[Result, ...]:
             raise ValueError(f"{name}: an empty list has no results")
         return tuple(_result(item, name) for item in expression)
     return (_result(expression, name),)
+
+
+def own_defaults(parameters: Any, results: Iterable[Result], name: str) -> dict[Any, Any]:
+    """Return {symbol: default} of the parameters given for results, by symbol or by name.
+
+    Raises ValueError, with the nearest symbol, for one that they do not hold; TypeError for what
+    is no number.
+    """
+    if not isinstance(parameters, Mapping):
+        raise TypeError(f"{name}: parameters must be a dictionary {{symbol: default}}")
+    held = {str(s): s for result in results for x in result.entries for s in x.free_symbols - {t}}
+    found = {}
+    for key, default in parameters.items():
+        symbol = held.get(str(key))
+        if symbol is None:
+            raise ValueError(f"{name} does not contain {key}{suggestion(str(key), held)}")
+        if symbol in found:
+            raise ValueError(f"{name}: {key} is given two defaults")
+        found[symbol] = None if default is None else number(default, f"{name}: default of {key}")
+    return found
 
 
 def check_name(name: Any) -> None:

@@ -8,9 +8,10 @@ to be asked of the arm itself (``System.geometry``).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import chain
+from typing import Any
 
 from moro.algorithms.articulated_body import joint_accelerations
 from moro.algorithms.composite_rigid_body import joint_inertia
@@ -24,6 +25,7 @@ from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import Posture, posture
 from moro.model import Model, Scalar
 from moro_codegen.differentiate import jacobian
+from moro_codegen.factor import factored
 from moro_codegen.frames import equivalent_postures, turnable_parallels, unturned
 from moro_codegen.graph import Graph, Node, fewest, replaced
 from moro_codegen.singular import singular, unresisted
@@ -55,6 +57,8 @@ class System:
     model: Model
     #: leave out rotor inertia and friction
     rigid: bool = False
+    #: the run-time parameters, by symbol
+    parameters: Mapping[Any, Node] = field(default_factory=dict)
 
     @property
     def rotors(self) -> list[Scalar]:
@@ -73,8 +77,24 @@ class System:
 
     def dynamics(self, arm: Posture, *algorithms: Algorithm) -> list[Node]:
         """Return the results of the algorithm, and for the equivalent arm, that are cheapest."""
+        return fewest(self._alternatives(arm, algorithms), self.graph)
+
+    def _alternatives(
+        self, arm: Posture, algorithms: Sequence[Algorithm]
+    ) -> Iterator[Sequence[Scalar]]:
+        """Yield the results of every algorithm for every equivalent arm.
+
+        With run-time parameters, again with sums searched for what cancels: parameters that the
+        equations do not have, at the cost of parts that sums shared.
+        """
         arms = list(equivalent_postures(arm))
-        return fewest((run(arm) for run in algorithms for arm in arms), self.graph)
+        yield from (run(arm) for run in algorithms for arm in arms)
+        if self.graph.has_parameters:
+            self.graph.cancels = True
+            for run in algorithms:
+                for other in equivalent_postures(arm):
+                    yield factored([self.graph.constant(x) for x in run(other)])
+            self.graph.cancels = False
 
     def geometry(self, q: Sequence[Node], algorithm: Algorithm) -> list[Node]:
         """Return the cheapest results for the arm itself, with frame n as a further link."""
@@ -105,6 +125,24 @@ class Function:
     build: Callable[..., Sequence[Sequence[Node]]]
     #: how it is computed
     algorithm: str = ""
+    #: run-time parameters besides those of the robot, with their defaults (None: no default)
+    parameters: Mapping[Any, Any] = field(default_factory=dict, hash=False)
+
+
+def own_parameters(functions: Iterable[Function]) -> dict[Any, Any]:
+    """Return the parameters that functions bring, with their defaults.
+
+    Raises ValueError if two give one symbol different defaults.
+    """
+    found: dict[Any, Any] = {}
+    for function in functions:
+        for symbol, default in function.parameters.items():
+            if found.setdefault(symbol, default) != default:
+                raise ValueError(
+                    f"{function.name}: the default of {symbol} is {default}, but another "
+                    f"function's is {found[symbol]}"
+                )
+    return found
 
 
 def _tau(system: System, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]) -> Outputs:

@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
 
+from moro.checks import distinct_names
 from moro.model import JointKind, Model
 from moro_codegen.convert import Converter
 from moro_codegen.factor import factored
-from moro_codegen.functions import FUNCTIONS, Argument, Function, System
-from moro_codegen.graph import Graph, Node, count, schedule
+from moro_codegen.functions import FUNCTIONS, Argument, Function, System, own_parameters
+from moro_codegen.graph import Graph, Node, count, parameters_of, replaced, schedule
 from moro_codegen.progress import tell
 
 
@@ -71,31 +72,55 @@ def generate(
 ) -> Program:
     """Return the program of the functions, which are given or named.
 
-    ``parameters`` maps every symbol of the model to its default, or to None: the k-th becomes the
-    input ("parameters", k). ``rigid`` leaves out rotor inertia and friction.
+    ``parameters`` maps every symbol of the model to its default, or to None; functions may bring
+    more of their own. Those that a result depends on become run-time parameters of the program, in
+    this order: the k-th is the input ("parameters", k). ``rigid`` leaves out rotor inertia and
+    friction.
+
+    Raises ValueError for a function that does not exist, for two defaults of one parameter, and
+    for two symbols of one name.
     """
-    parameters = parameters or {}
     unknown = [name for name in functions if isinstance(name, str) and name not in FUNCTIONS]
     if unknown:
         raise ValueError(f"unknown functions {unknown}; there are {sorted(FUNCTIONS)}")
+    wanted = [FUNCTIONS[f] if isinstance(f, str) else f for f in functions]
+    defaults = {**(parameters or {}), **own_parameters(wanted)}
+    known = run_time_parameters(defaults)
     graph = Graph()
-    symbols = {symbol: graph.input("parameters", k) for k, symbol in enumerate(parameters)}
-    system = System(graph, model.map(Converter(graph, symbols)), rigid)
+    nodes = {symbol: graph.input("parameters", k) for k, symbol in enumerate(defaults)}
+    system = System(graph, model.map(Converter(graph, nodes)), rigid, nodes)
+    routines, used = without_unused([routine(system, function) for function in wanted])
     return Program(
         model.name,
         model.dof,
         tuple(joint.kind for joint in model.joints),
-        run_time_parameters(parameters),
-        tuple(routine(system, FUNCTIONS[f] if isinstance(f, str) else f) for f in functions),
+        tuple(known[k] for k in used),
+        routines,
     )
 
 
 def run_time_parameters(defaults: Mapping[Any, Any]) -> tuple[Parameter, ...]:
-    """Return the parameters with these symbols and defaults (None: no default)."""
+    """Return the parameters with these symbols and defaults (None: no default).
+
+    Raises ValueError for two symbols of one name.
+    """
+    distinct_names(defaults)
     return tuple(
         Parameter(str(symbol), None if default is None else float(default), "")
         for symbol, default in defaults.items()
     )
+
+
+def without_unused(routines: Sequence[Routine]) -> tuple[tuple[Routine, ...], list[int]]:
+    """Return routines that number the run-time parameters they use from 0, and those used."""
+    used = sorted(set().union(*(parameters_of(routine.results) for routine in routines)))
+    if used == list(range(len(used))):
+        return tuple(routines), used
+    graph = routines[0].results[0].graph
+    new = {graph.input("parameters", k): graph.input("parameters", i) for i, k in enumerate(used)}
+    return tuple(
+        _scheduled(x.function, x.inputs, x.outputs, replaced(x.results, new)) for x in routines
+    ), used
 
 
 def routine(system: System, function: Function) -> Routine:
@@ -113,8 +138,18 @@ def arranged(
     outputs = tuple(_resolved(argument, dof) for argument in function.outputs)
     nodes = [[graph.input(a.name, k) for k in range(_size(a))] for a in inputs]
     results = factored([x for output in build(*nodes) for x in output])
+    return _scheduled(function, inputs, outputs, results)
+
+
+def _scheduled(
+    function: Function,
+    inputs: tuple[Argument, ...],
+    outputs: tuple[Argument, ...],
+    results: Sequence[Node],
+) -> Routine:
+    """Return the routine of results, with its operations in order."""
     order, angles = _angles_first(schedule(results))
-    return Routine(function, inputs, outputs, order, angles, results, count(order))
+    return Routine(function, inputs, outputs, order, angles, tuple(results), count(order))
 
 
 def _angles_first(order: Sequence[Node]) -> tuple[tuple[Node, ...], tuple[Node, ...]]:

@@ -7,7 +7,7 @@ cancels to within the rounding of its operands is exactly 0.
 
 What every operation does on the spot: constants fold; x + 0, x * 1 and x * 0 vanish; signs move
 outwards (a + (-b) = a - b, (-a) b = -(a b)), so constants are positive; operands are ordered;
-(a - b) + b = a and its like.
+(a - b) + b = a and its like. With ``cancels``, also terms anywhere in a sum that cancel.
 """
 
 from __future__ import annotations
@@ -23,6 +23,9 @@ Operand: TypeAlias = Union["Node", int, Fraction, float]
 
 #: results closer to zero than this, relative to their operands, are rounding
 ROUNDING = 8 * 2.0**-53
+
+#: what cancels is looked for in sums of so many terms
+LONG_SUM = 40
 
 #: time an operation takes, in additions
 WEIGHTS = {"add": 1, "sub": 1, "mul": 1, "div": 5, "sincos": 10, "sign": 1, "call": 20}
@@ -89,6 +92,11 @@ class Graph:
     def __init__(self) -> None:
         self._nodes: dict[tuple[Any, ...], Node] = {}
         self._constants: dict[Constant, Node] = {}
+        #: whether run-time parameters are among the inputs
+        self.has_parameters = False
+        #: whether sums are searched for terms that cancel
+        self.cancels = False
+        self._linear: dict[Node, dict[Node, Constant]] = {}
         self.zero = self.constant(0)
         self.one = self.constant(1)
 
@@ -114,6 +122,7 @@ class Graph:
 
     def input(self, name: str, index: int) -> Node:
         """Return entry ``index`` (flat, row-major) of the argument ``name``."""
+        self.has_parameters |= name == "parameters"
         return self._node("input", (), (name, index))
 
     def add(self, a: Operand, b: Operand) -> Node:
@@ -140,7 +149,8 @@ class Graph:
             return a.args[0]
         if b.op == "sub" and b.args[1] is a:
             return b.args[0]
-        return self._node("add", (a, b) if a.index < b.index else (b, a))
+        shorter = self._cancelled(a, b, 1)
+        return shorter or self._node("add", (a, b) if a.index < b.index else (b, a))
 
     def sub(self, a: Operand, b: Operand) -> Node:
         """Return a - b."""
@@ -163,7 +173,39 @@ class Graph:
             return self.neg(b.args[0] if b.args[1] is a else b.args[1])
         if b.op == "sub" and b.args[0] is a:
             return b.args[1]
-        return self._sub(a, b)
+        return self._cancelled(a, b, -1) or self._sub(a, b)
+
+    def _cancelled(self, a: Node, b: Node, sign: int) -> Node | None:
+        """Return a + sign b as a plain sum, if it is searched and terms of a and b cancel."""
+        if not self.cancels:
+            return None
+        left, right = self._terms(a), self._terms(b)
+        total = _combined(left, right, sign)
+        if all(total[x] != 0 or x.op == "const" for x in right if x in left):
+            return None
+        result = self.zero
+        for x, c in sorted(total.items(), key=lambda item: item[1] < 0):  # positive ones first
+            result = self.add(result, self.mul(c, x))
+        return result
+
+    def _terms(self, node: Node) -> dict[Node, Constant]:
+        """Return a node as a linear combination {node: factor} of others that are no sums."""
+        found = self._linear.get(node)
+        if found is None:
+            if node.op in ("add", "sub"):
+                first, second = map(self._terms, node.args)
+                found = _combined(first, second, 1 if node.op == "add" else -1)
+            elif node.op == "neg":
+                found = {x: -c for x, c in self._terms(node.args[0]).items()}
+            elif node.op == "mul" and node.args[0].op == "const":
+                factor = node.args[0].value
+                found = {x: c * factor for x, c in self._terms(node.args[1]).items()}
+            elif node.op == "const":
+                found = {self.one: node.value} if node.value else {}
+            if found is None or len(found) > LONG_SUM:
+                found = {node: 1}
+            self._linear[node] = found
+        return found
 
     def _shifted(self, a: Node, shift: Constant) -> Node:
         """Return a + shift, a being a sum with a constant: (x + c) + shift = x + (c + shift)."""
@@ -263,6 +305,16 @@ class Graph:
         return result
 
 
+def _combined(
+    a: Mapping[Node, Constant], b: Mapping[Node, Constant], sign: int
+) -> dict[Node, Constant]:
+    """Return a + sign b, linear combinations of nodes."""
+    total = dict(a)
+    for x, c in b.items():
+        total[x] = _sum(total.get(x, 0), sign * c)
+    return total
+
+
 def _sum(a: Constant, b: Constant) -> Constant:
     total = a + b
     if isinstance(total, float) and abs(total) <= ROUNDING * abs(a):
@@ -301,14 +353,29 @@ def count(nodes: Sequence[Node]) -> dict[str, int]:
     return ops
 
 
+def parameters_of(results: Iterable[Node]) -> set[int]:
+    """Return the indices of the run-time parameters that results depend on."""
+    results = tuple(results)
+    operands = (a for node in schedule(results) for a in node.args)
+    return {
+        node.value[1]
+        for node in (*results, *operands)
+        if node.op == "input" and node.value[0] == "parameters"
+    }
+
+
 def fewest(alternatives: Iterable[Sequence[Operand]], graph: Graph) -> list[Node]:
-    """Return the alternative that takes the least time, by its operations."""
+    """Return the alternative that takes the least time, by its operations.
 
-    def time(results: Sequence[Node]) -> int:
+    Of those with the fewest run-time parameters: what else there is of them cancels.
+    """
+
+    def cost(results: Sequence[Node]) -> tuple[int, int]:
         ops = count(schedule(results))
-        return sum(ops[op] * weight for op, weight in WEIGHTS.items())
+        parameters = len(parameters_of(results)) if graph.has_parameters else 0
+        return parameters, sum(ops[op] * weight for op, weight in WEIGHTS.items())
 
-    return min(([graph.constant(x) for x in results] for results in alternatives), key=time)
+    return min(([graph.constant(x) for x in results] for results in alternatives), key=cost)
 
 
 def constant_value(x: Any) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -14,7 +14,7 @@ from moro_codegen.described import described
 from moro_codegen.emit.describe import shape
 from moro_codegen.emit.floats import emit as emit_floats
 from moro_codegen.emit.numpy import emit as emit_numpy
-from moro_codegen.expressions import Formula, Scope, results_of
+from moro_codegen.expressions import Formula, Scope, own_defaults, results_of
 from moro_codegen.generate import Program, arranged, run_time_parameters
 from moro_codegen.graph import Graph
 from moro_codegen.kernel import in_chunks
@@ -24,7 +24,9 @@ from moro_codegen.signature import Signature
 NAME = "lambdified"
 
 
-def lambdify(expression: Any, robot: Robot) -> Callable[..., Any]:
+def lambdify(
+    expression: Any, robot: Robot, parameters: Mapping[Any, Any] | None = None
+) -> Callable[..., Any]:
     """Return a function f(q[, qd[, qdd]], parameters=None, out=None) of arrays.
 
         f = mc.lambdify(robot.coriolis_matrix(), robot)
@@ -35,24 +37,25 @@ def lambdify(expression: Any, robot: Robot) -> Callable[..., Any]:
     column is a vector. f takes those of q, qd and qdd that occur, in this order (q if none does),
     with any number of axes in front, which are broadcast; and those of the robot's ``parameters``
     that occur: a dict by name, a sequence in the robot's order, or None for their defaults.
-    ``help(f)`` names them all.
+    ``help(f)`` names them all. ``parameters`` are further symbols of the expression's own, with
+    their defaults (None: no default), as for ``Function``.
 
     What occurs several times, in all results, is computed once. Raises ValueError for symbols that
     the robot does not have, TypeError for what is no expression.
     """
     results = results_of(expression, "the expression")
-    scope = Scope.of(robot)
-    formula = Formula.of("the expression", results, scope)
-    defaults = {s: default for s, default in robot.parameters.items() if s in formula.used}
-    formula = replace(formula, scope=replace(scope, parameters=tuple(defaults)))
+    own = own_defaults(parameters or {}, results, "the expression")
+    formula = Formula.of("the expression", results, Scope.of(robot, own, "the expression"))
+    defaults = {s: x for s, x in {**robot.parameters, **own}.items() if s in formula.used}
     graph = Graph()
+    nodes = {symbol: graph.input("parameters", k) for k, symbol in enumerate(defaults)}
     function = replace(formula, name=NAME).entry("The expression of a robot given.", "SI")
     program = Program(
         robot.name,
         robot.dof,
         tuple("revolute" if kind == "r" else "prismatic" for kind in robot.joint_types),
         run_time_parameters(defaults),
-        (arranged(function, graph, robot.dof, partial(formula.nodes, graph)),),
+        (arranged(function, graph, robot.dof, partial(formula.nodes, graph, nodes)),),
     )
     (text,) = emit_numpy(program).values()
     signature = Signature.of(described(program, robot), *program.routines)

@@ -8,7 +8,7 @@ what the torques are per unit of its leader.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from moro.algorithms.kinematics import with_tip
 from moro.algorithms.posture import Posture
@@ -21,13 +21,35 @@ from moro_codegen.functions import REGRESSOR, Function, Outputs, System
 from moro_codegen.graph import Node
 
 
-def regressor(robot: Robot) -> Function:
+@dataclass(frozen=True)
+class Regressor:
+    """The request for "regressor" that says which base parameters count.
+
+        kernel = mc.compile(robot, functions=("tau", mc.Regressor(zeros=True)))
+        Y, p = kernel.regressor(q, qd, qdd)
+
+    ``zeros`` is that of ``robot.base_parameters(zeros)``: whether to keep (True) or leave out
+    (False) all parameters whose value is zero.
+    """
+
+    zeros: bool | None = None
+
+    def __post_init__(self) -> None:
+        if self.zeros not in (None, True, False):
+            raise TypeError(f"zeros must be True, False or None, not {self.zeros!r}")
+
+    def entry(self, robot: Robot) -> Function:
+        """Return the function for a robot."""
+        return regressor(robot, self.zeros)
+
+
+def regressor(robot: Robot, zeros: bool | None = None) -> Function:
     """Return the function (q, qd, qdd) -> (Y, p) of a robot: tau = Y p.
 
-    Y (n x b) and p (b) are those of ``robot.regressor()``, in the order of
-    ``robot.base_parameters()``.
+    Y (n x b) and p (b) are those of ``robot.regressor(zeros)``, in the order of
+    ``robot.base_parameters(zeros)``.
     """
-    base = robot.base_parameters()
+    base = robot.base_parameters(zeros)
     names = ", ".join(str(parameter.symbol) for parameter in base)
 
     def build(
@@ -46,8 +68,7 @@ def regressor(robot: Robot) -> Function:
             return [own if i == link else 0 for i in range(robot.dof)]
 
         rows = zip(*(column(*parameter.leader) for parameter in base), strict=True)
-        symbols = {s: system.graph.input("parameters", k) for k, s in enumerate(robot.parameters)}
-        values = map(Converter(system.graph, symbols), base.values)
+        values = map(Converter(system.graph, system.parameters), base.values)
         zero = system.graph.zero
         return [[x + zero for row in rows for x in row], list(values)]
 

@@ -10,11 +10,13 @@ from typing import TypeAlias
 from moro.robot import Robot
 from moro_codegen.expressions import UserFunction
 from moro_codegen.functions import FUNCTIONS, KNOWN, REGRESSOR, Function
-from moro_codegen.regressor import regressor
+from moro_codegen.regressor import Regressor
 from moro_codegen.together import together
 
-#: a name of KNOWN, a function of one's own, or a tuple of these to be computed together
-Request: TypeAlias = str | UserFunction | tuple[str | UserFunction, ...]
+#: a name of KNOWN, the regressor with a choice, or a function of one's own
+One: TypeAlias = str | Regressor | UserFunction
+#: one of these, or a tuple of several to be computed together
+Request: TypeAlias = One | tuple[One, ...]
 
 #: the C functions made of a function f are called f, f_batch, f_1 and so on
 DERIVED = re.compile(r"(.+?)(_batch|_loop|_lanes|_\d+|_lanes_\d+)")
@@ -55,19 +57,19 @@ def named(name: str, robot: Robot) -> Function:
         near = difflib.get_close_matches(name, KNOWN, n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise ValueError(f"no function {name!r}; {hint}there are {', '.join(KNOWN)}")
-    return regressor(robot) if name == REGRESSOR.name else FUNCTIONS[name]
+    return Regressor().entry(robot) if name == REGRESSOR.name else FUNCTIONS[name]
 
 
 def _requested(item: Request, robot: Robot) -> Function:
     if isinstance(item, str):
         return named(item, robot)
-    if isinstance(item, UserFunction):
+    if isinstance(item, (Regressor, UserFunction)):
         return item.entry(robot)
     if isinstance(item, tuple):
         return together([_requested(one, robot) for one in item])
     raise TypeError(
-        f"functions are names, moro_codegen.Function(name, expression), or tuples of them, "
-        f"not {item!r}"
+        f"functions are names, moro_codegen.Function(name, expression), "
+        f"moro_codegen.Regressor(zeros=...), or tuples of them, not {item!r}"
     )
 
 

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
-from moro_codegen.functions import Argument, Function, System
+from moro_codegen.functions import Argument, Function, System, own_parameters
 from moro_codegen.graph import Node
 
 
@@ -39,6 +39,7 @@ def together(functions: Sequence[Function]) -> Function:
         f"Together, what they share computed once: {', '.join(names)}. "
         + " ".join(function.summary for function in functions),
         build,
+        parameters=own_parameters(functions),
     )
 
 

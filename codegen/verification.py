@@ -8,8 +8,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import sympy as sp
 
 from moro import Robot
+from moro_codegen.described import constants
 from moro_codegen.functions import KNOWN
 from moro_codegen.kernel import Kernel
 from moro_codegen.progress import shown, tell
@@ -150,7 +152,7 @@ def verify(
     values = parameter_values(robot, rng)
     parameters = {symbol: float(_rounded(value, dtype)) for symbol, value in values.items()}
     expected = Dynamics(route, q, qd, qdd, parameters)
-    by_name = {str(symbol): value for symbol, value in parameters.items()} or None
+    by_name = for_kernel(kernel, parameters) or None
     errors: dict[str, Array] = {}
     unchecked = []
     for name, signature in kernel.signatures.items():
@@ -220,11 +222,28 @@ def _states(robot: Robot, states: int, rng: np.random.Generator) -> tuple[Array,
 
 
 def parameter_values(robot: Robot, rng: np.random.Generator) -> dict[Any, float]:
-    """Return a value for each free symbol: its default, or a random one where it has none."""
+    """Return a value for each free symbol: its default, or a random one.
+
+    That is for symbols without a default, and for those of something that the robot's description
+    is divided by and that is zero for the defaults.
+    """
+    defaults = {symbol: x for symbol, x in robot.parameters.items() if x is not None}
+    free = set(robot.parameters) - set(defaults)
+    for _, _, _, value in constants(robot):
+        for power in value.atoms(sp.Pow):
+            if power.exp.is_negative and power.base.xreplace(defaults).is_zero:
+                free |= power.base.free_symbols
     return {
-        symbol: float(rng.uniform(0.5, 1.5)) if default is None else float(default)
+        symbol: float(rng.uniform(0.5, 1.5)) if symbol in free else float(default)
         for symbol, default in robot.parameters.items()
     }
+
+
+def for_kernel(kernel: Kernel, values: Mapping[Any, float]) -> dict[str, float]:
+    """Return a value by name for each of a kernel's parameters: those of the robot, defaults, 1."""
+    known = {str(symbol): value for symbol, value in values.items()}
+    defaults = {name: 1.0 if x is None else x for name, x in kernel.parameters.items()}
+    return {name: known.get(name, default) for name, default in defaults.items()}
 
 
 def _scale(expected: Array, axes: tuple[int, ...]) -> Array:

@@ -7,6 +7,7 @@ exact SymPy values: a float counts as the decimal it prints as.
 from __future__ import annotations
 
 import operator
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence, Set
 from difflib import get_close_matches
 from typing import Any
@@ -273,6 +274,16 @@ def has_float(value: Any) -> bool:
     return False
 
 
+def distinct_names(symbols: Iterable[Any]) -> None:
+    """Raise ValueError if two different symbols have one name."""
+    for name, count in Counter(map(str, symbols)).items():
+        if count > 1:
+            raise ValueError(
+                f"two different symbols are called {name}: Symbol({name!r}) and one with "
+                "assumptions, real=True say; use one of them throughout"
+            )
+
+
 # -- words for messages ---------------------------------------------------------------------------
 
 
@@ -290,8 +301,9 @@ _LONG = 80
 
 def suggestion(word: Any, known: Iterable[str]) -> str:
     """Return '; did you mean "..."?' for the nearest known word, or nothing."""
-    near = get_close_matches(word, list(known), n=1) if isinstance(word, str) else ()
-    return f'; did you mean "{near[0]}"?' if near else ""
+    by_lower = {name.lower(): name for name in known}
+    near = get_close_matches(word.lower(), by_lower, n=1) if isinstance(word, str) else ()
+    return f'; did you mean "{by_lower[near[0]]}"?' if near else ""
 
 
 def _is_matrix(value: Any) -> bool:

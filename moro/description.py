@@ -41,6 +41,7 @@ class Description:
         self._coulomb_friction: tuple[tuple[Any, Any], ...] | None = None
         self._joint_limits: tuple[tuple[Any, Any] | None, ...] | None = None
         self._defaults: dict[Any, Any] = {}
+        self._declared: set[Any] = set()
         self._assumed: set[str] = set()
         self._with_floats: set[str] = set()
         if checks.has_float(self._rows_as_given):
@@ -236,10 +237,13 @@ class Description:
     def parameters(self) -> dict[Any, Any]:
         """The symbols left free in the model, with their default values (None: no default).
 
-        Kernels take them at run time, in this order. Set a dictionary to give defaults.
+        Kernels take those that they need at run time, in this order. Set a dictionary of symbols,
+        or their names, to give defaults; ValueError for one that the model does not hold. What a
+        ``moro_codegen.Function`` has besides, it brings itself.
         """
         free = set().union(*(x.free_symbols for x in self._constants())) - {t, *self.qs}
-        _unlike_names(free)
+        free |= self._declared
+        checks.distinct_names(free)
         ordered = [s for s in self._defaults if s in free]
         ordered += sorted(free - set(ordered), key=lambda s: natural(s.name))
         return {s: self._defaults.get(s) for s in ordered}
@@ -247,9 +251,23 @@ class Description:
     @parameters.setter
     def parameters(self, defaults: Mapping[Any, Any]) -> None:
         self._defaults = {
+            symbol: None if value is None else checks.number(value, f"default of {symbol}")
+            for symbol, value in self._by_symbol(defaults, "parameters").items()
+        }
+
+    def declare(self, defaults: Mapping[Any, Any]) -> None:
+        """Add parameters, with their defaults, that the model need not hold.
+
+        Functions of one's own may use them; kernels that do not, do not ask for them. Those that a
+        robot.yaml declares are among them.
+        """
+        new = {
             _symbol(key): None if value is None else checks.number(value, f"default of {key}")
             for key, value in _items(defaults, "parameters")
         }
+        self._defaults = {**self._defaults, **new}
+        self._declared |= set(new)
+        self._forget()
 
     def with_parameters(self: _Self, values: Mapping[Any, Any]) -> _Self:
         """Return a new robot in which symbols have been given values.
@@ -257,21 +275,30 @@ class Description:
         ``values`` maps symbols, or their names, to numbers or expressions. ValueError for a symbol
         that the model does not hold.
         """
+        new = self._by_symbol(values, "values")
+        for symbol, value in new.items():
+            checks.constant(value, f"value of {symbol}", self.qs)
+        return self._substituted({symbol: sp.sympify(value) for symbol, value in new.items()})
+
+    def _by_symbol(self, values: Any, what: str) -> dict[Any, Any]:
+        """Return {symbol: value} for symbols of the model, or their names.
+
+        Raises ValueError, with the nearest symbol, for one that it does not hold.
+        """
         known = {str(s): s for s in self.parameters}
-        new: dict[Any, Any] = {}
-        for key, value in _items(values, "values"):
-            symbol = known.get(str(key))
+        found: dict[Any, Any] = {}
+        for key, value in _items(values, what):
+            symbol = known.get(str(_symbol(key)))
             if symbol is None:
                 names = ", ".join(known) or "none"
                 near = checks.suggestion(str(key), known)
                 raise ValueError(
                     f"{key} is not a symbol of the model; its symbols are {names}{near}"
                 )
-            if symbol in new:
+            if symbol in found:
                 raise ValueError(f"{key} is given two values")
-            checks.constant(value, f"value of {key}", self.qs)
-            new[symbol] = sp.sympify(value)
-        return self._substituted(new)
+            found[symbol] = value
+        return found
 
     def model_summary(self) -> Table:
         """Return what is given, what was assumed by default, and what is not set."""
@@ -385,6 +412,7 @@ class Description:
                 setattr(robot, name, put(value))
         robot._assumed = set(self._assumed)
         robot._defaults = {s: x for s, x in self._defaults.items() if s not in values}
+        robot._declared = self._declared - set(values)
         robot._with_floats |= self._with_floats
         return robot
 
@@ -440,17 +468,6 @@ def _items(values: Any, what: str) -> Iterable[tuple[Any, Any]]:
             f"{what} must be a dictionary {{symbol: value}}, not {checks.brief(values)}"
         )
     return values.items()
-
-
-def _unlike_names(symbols: Iterable[Any]) -> None:
-    """Raise ValueError if two different symbols have one name."""
-    names = [str(s) for s in symbols]
-    for name in names:
-        if names.count(name) > 1:
-            raise ValueError(
-                f"two different symbols are called {name}: Symbol({name!r}) and one with "
-                "assumptions, real=True say; use one of them throughout"
-            )
 
 
 def _symbol(key: Any) -> Any:

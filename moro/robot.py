@@ -276,8 +276,8 @@ class Robot(Description):
 
         Geometry and gravity decide which there are. A parameter whose value is zero is left out
         where zero is an assumption of the model (of a link given in symbols, of friction and
-        rotors), and stands where it is a number among numbers; ``zeros`` True or False keeps or
-        leaves out all of them.
+        rotors), and stands where it is a number among numbers, also if a payload is added to them;
+        ``zeros`` True or False keeps or leaves out all of them.
         """
         self._needed("gravity")
         return BaseParameters(x for x in self._all_base_parameters() if self._counts(x, zeros))
@@ -486,9 +486,21 @@ class Robot(Description):
         return zeros is None and parameter.leader.name in BODY and self._in_numbers(parameter.link)
 
     def _in_numbers(self, link: int) -> bool:
-        """Whether a link's mass, centre of mass and tensor are given as numbers."""
-        given = (self._masses, self._cm_positions, self._inertia_tensors)
-        return all(x and not sp.Tuple(x[link - 1]).free_symbols for x in given)
+        """Whether a link is given in numbers; a payload may be added to them.
+
+        That is so if it is one without the payload: if, with all symbols 0, it has a mass, a centre
+        of mass (unless at the origin) and the principal entries of its tensor, as with them.
+        """
+        if self._masses is None or self._cm_positions is None or self._inertia_tensors is None:
+            return False
+        mass, cm = self._masses[link - 1], self._cm_positions[link - 1]
+        tensor = self._inertia_tensors[link - 1]
+        if not sp.Tuple(mass, cm, tensor).free_symbols:
+            return True
+        moments = [tensor[k][k] for k in range(3) if tensor[k][k] != 0]
+        return all(map(_has_number, (mass, *moments))) and (
+            not any(cm) or any(map(_has_number, cm))
+        )
 
     def _friction(self, i: int) -> Any:
         qd = self.qs[i].diff(t)
@@ -508,3 +520,9 @@ class Robot(Description):
 
     def _taus(self) -> list[Any]:
         return [sp.Symbol(f"tau_{i}") for i in range(1, self.dof + 1)]
+
+
+def _has_number(x: Any) -> bool:
+    """Whether an expression is not 0 where its symbols are: a number, or one with more added."""
+    alone = x.xreplace({symbol: sp.Integer(0) for symbol in x.free_symbols})
+    return bool(alone.is_finite and alone != 0)

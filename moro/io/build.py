@@ -17,7 +17,7 @@ def robot(file: RobotFile) -> Robot:
     robot = Robot(*rows, convention=file.convention, name=file.name)
     links = file.links
     robot.gravity = file.gravity
-    robot.parameters = file.parameters
+    robot.declare(file.parameters)
     if links[0].mass is not None:  # one has it: all have mass, com and inertia
         robot.masses = [link.mass for link in links]
         robot.cm_positions = [link.com for link in links]

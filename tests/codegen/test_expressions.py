@@ -88,7 +88,8 @@ def test_sums_of_angles_are_angles(kernel):
 def test_several_results_and_texts(arm, tmp_path):
     pair = mc.Function("pair", [q1 + q2, sp.eye(2) * QD1], summary="A sum, a matrix.", unit="rad")
     kernel = mc.compile(arm, functions=(pair,), directory=tmp_path, backend="numpy")
-    total, matrix = kernel.pair([1, 2], [3, 4], parameters=VALUES)
+    assert kernel.parameters == {}  # none occurs
+    total, matrix = kernel.pair([1, 2], [3, 4])
     assert total == 3
     assert np.array_equal(matrix, [[3, 0], [0, 3]])
     for words in ("A sum, a matrix.", "pair_1 ", "[rad]  q_1(t) + q_2(t)", "pair_2[2][2]"):

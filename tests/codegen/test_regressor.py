@@ -29,7 +29,7 @@ def program(robot):
     tau = generate(robot.model(), ("tau",), robot.parameters)
     graph = Graph()
     symbols = {symbol: graph.input("parameters", k) for k, symbol in enumerate(robot.parameters)}
-    system = System(graph, robot.model().map(Converter(graph, symbols)))
+    system = System(graph, robot.model().map(Converter(graph, symbols)), parameters=symbols)
     return replace(tau, routines=(routine(system, regressor(robot)), *tau.routines))
 
 
