@@ -250,6 +250,8 @@ class Description:
 
     @parameters.setter
     def parameters(self, defaults: Mapping[Any, Any]) -> None:
+        for key, _ in _items(defaults, "parameters"):
+            _symbol(key)  # is one, or a name
         self._defaults = {
             symbol: None if value is None else checks.number(value, f"default of {symbol}")
             for symbol, value in self._by_symbol(defaults, "parameters").items()
@@ -288,7 +290,7 @@ class Description:
         known = {str(s): s for s in self.parameters}
         found: dict[Any, Any] = {}
         for key, value in _items(values, what):
-            symbol = known.get(str(_symbol(key)))
+            symbol = known.get(str(key))
             if symbol is None:
                 names = ", ".join(known) or "none"
                 near = checks.suggestion(str(key), known)

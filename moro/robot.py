@@ -301,7 +301,9 @@ class Robot(Description):
         """Return an expression (or matrix) in the joint variables in canonical, shortest form.
 
         Exact: two expressions that are equal as trigonometric polynomials become identical, and
-        zero becomes 0.
+        zero becomes 0. A denominator that is a polynomial of symbols cancels wherever it is a
+        factor, m1/(m1 + m2) + m2/(m1 + m2) is 1; sums over different denominators that share
+        symbols are not brought to a common one.
         """
         if isinstance(expr, sp.MatrixBase):
             return expr.applyfunc(self.simplify)

@@ -1051,11 +1051,23 @@ class TestParameters:
             ({l1: "1"}, TypeError, "default of l_1 must be a number"),
             ({l1: l2}, TypeError, "default of l_1 must be a number, not l_2"),
             ({l1: float("inf")}, ValueError, "default of l_1 must be finite"),
+            ({"l1": 2}, ValueError, 'l1 is not a symbol of the model.*did you mean "l_1"'),
+            ({"L_1": 2}, ValueError, 'did you mean "l_1"'),
+            ({x: 1}, ValueError, "x is not a symbol of the model; its symbols are l_1, l_2"),
         ],
     )
     def test_wrong_defaults(self, defaults, error, message):
         with pytest.raises(error, match=message):
             two_links(parameters=defaults)
+
+
+def test_declared_parameters_need_not_occur():
+    robot = two_links()
+    robot.declare({x: 2, "l_1": 1})
+    assert list(robot.parameters.items()) == [(x, 2), (l1, 1), (l2, None)]
+    assert list(robot.with_parameters({x: 1}).parameters) == [l1, l2]
+    robot.parameters = {x: 3}
+    assert robot.parameters[x] == 3
 
 
 def test_model_summary():
