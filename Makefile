@@ -4,14 +4,20 @@ BIN := .venv/bin
 # setuptools warns of every editable installation
 INSTALL := PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet
 
-.PHONY: demo test lint docs dist-check figures bench clean
+.PHONY: demo test fuzz lint docs dist-check figures bench clean
 .DELETE_ON_ERROR:
 
 demo: .venv/installed
 	@$(BIN)/moro-codegen puma560
 
 test: .venv/tests
+	@echo "all tests: about four minutes on two idle cores, up to fifteen on busy ones"
 	$(BIN)/pytest -n auto
+
+# robot files, expressions and names that nobody would think of, for so many seconds
+FUZZ ?= 300
+fuzz: .venv/tests
+	$(BIN)/python -m tests.fuzz $(FUZZ)
 
 lint: .venv/tests
 	$(BIN)/ruff check

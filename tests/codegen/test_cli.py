@@ -1,25 +1,16 @@
 """moro-codegen: the whole job, its table, its exit codes, and what wrong input gets."""
 
 import json
-import os
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from command import run
 
 from moro_codegen import FUNCTIONS, Kernel
 
 ROBOTS = Path(__file__).parents[2] / "moro" / "robots"
-
-
-def run(*arguments, cwd, **environment):
-    command = [sys.executable, "-m", "moro_codegen", *map(str, arguments)]
-    variables = os.environ | {"COLUMNS": "100"} | environment
-    return subprocess.run(
-        command, cwd=cwd, env=variables, capture_output=True, text=True, check=False, timeout=120
-    )
 
 
 def test_whole_job(tmp_path):
