@@ -6,6 +6,7 @@ common form, always by the same rules, so that equal polynomials give identical 
 - parallel joints show their differences and sums as one angle: ``c2 c23 + s2 s23`` is ``cos(q3)``;
 - ``x - x c^2`` is ``x s^2``;
 - what all terms share, whole numbers and signs included, stands in front of a bracket;
+- no minus sign stands before a bracket that begins with one, or in front of an angle;
 - terms are grouped by velocities, then by trigonometric factors or by masses and inertias,
   whichever takes fewer operations.
 """
@@ -63,6 +64,7 @@ class Display:
         self._powers: dict[tuple[int, int], tuple[Any, Any]] = {}
         self._terms: dict[tuple[Monomial, Coefficient], Any] = {}
         self._differences: dict[tuple[Any, Any], tuple[int, Trig, Trig]] = {}
+        self._opposites: dict[Any, tuple[Trig, ...]] = {}
         self._shown: dict[Trig, Any] = {}
         self._brackets: dict[frozenset[tuple[Monomial, Coefficient]], Any] = {}
 
@@ -94,17 +96,41 @@ class Display:
                     self._join_differences(terms, a, b)
         for sine, cosine in self.ring.pairs.values():
             self._join_squares(terms, self.ring.unit(sine), self.ring.unit(cosine))
+        for angle in [x for x in self.ring.pairs if x.could_extract_minus_sign()]:
+            terms = self._turned(terms, angle)
         return terms
+
+    def _turned(self, terms: Terms, angle: Any) -> Terms:
+        """Write sin(x) as -sin(-x) and cos(x) as cos(-x)."""
+        sine, cosine = self.ring.pairs[angle]
+        turned: Terms = {}
+        for m, c in terms.items():
+            for index, new in zip((sine, cosine), self._opposite(angle), strict=True):
+                e = self.ring.exponent(m, index)
+                m += e * (_only(new) - self.ring.unit(index))
+                c = -c if index == sine and e % 2 else c
+            turned[m] = turned.get(m, 0) + c
+        return turned
+
+    def _opposite(self, angle: Any) -> tuple[Trig, Trig]:
+        """Return sin(-angle) and cos(-angle), as generators for reading only."""
+        if angle not in self._opposites:
+            both = (f(-angle, evaluate=False) for f in (sp.sin, sp.cos))
+            self._opposites[angle] = tuple(map(self.ring.generator, both))
+        sine, cosine = self._opposites[angle]
+        return sine, cosine
 
     def _join_differences(self, terms: Terms, a: Any, b: Any) -> None:
         (sa, ca), (sb, cb) = (map(self.ring.unit, self.ring.pairs[x]) for x in (a, b))
         ss, cc, sc, cs = sa + sb, ca + cb, sb + ca, cb + sa
         field = self.ring.field
+        # c_a c_b x + s_a s_b x = cos(b - a) x; a sine's exponent is 0 or 1: its lowest bit tells
         for m in [m for m in terms if m & sa and m & sb]:
             partner = m - ss + cc
             if terms.get(partner) == terms[m]:
                 _, _, cosine = self._difference(a, b)
                 _move(terms, m, partner, m - ss + _only(cosine), terms[m])
+        # s_b c_a x - s_a c_b x = sin(b - a) x; terms with s_a s_b belong to the rule above
         for m in [m for m in terms if m & sb and m & field(ca) and not m & sa]:
             partner = m - sc + cs
             if terms.get(partner) == -terms[m]:
@@ -122,6 +148,7 @@ class Display:
 
     def _join_squares(self, terms: Terms, sine: Monomial, cosine: Monomial) -> None:
         field = self.ring.field(cosine)
+        # x - x c^2 = x s^2; an exponent of c that is exactly 2 is all of its field
         for m in [m for m in terms if m & field == 2 * cosine]:
             partner = m - 2 * cosine
             if terms.get(partner) == -terms[m]:
@@ -136,7 +163,7 @@ class Display:
         common = self._common(terms)
         if common:
             scale, terms = _extracted({m - common: c for m, c in terms.items()})
-            return sp.Mul(self._number(scale), self._monomial(common), self._sum(terms))
+            return _signed(self._number(scale), self._monomial(common), self._sum(terms))
         velocity = self.ring.mask(self._velocity_symbols)
         if any(m & velocity for m in terms) and any(m & ~velocity for m in terms):
             return self._by_velocity(terms, velocity)
@@ -157,12 +184,12 @@ class Display:
             for unit, multiples in _multiples(rates, 1 if len(factor) == 1 else None):
                 scale, multiples = _extracted(multiples)
                 bracket = self._sum({m: _whole(c * unit) for m, c in factor.items()})
-                brackets.append(sp.Mul(self._number(scale), self._sum(multiples), bracket))
+                brackets.append(_signed(self._number(scale), self._sum(multiples), bracket))
         return sp.Add(*brackets)
 
     def _bracket(self, group: Group) -> Any:
         front, inner = self._sum(group.fronts), self._inner(group.terms)
-        return sp.Mul(self._number(group.scale), front, inner)
+        return _signed(self._number(group.scale), front, inner)
 
     def _inner(self, terms: Terms) -> Any:
         """Return the terms as they are, or grouped by masses and inertias where that is shorter."""
@@ -176,7 +203,7 @@ class Display:
             best = groups if self._cost(groups) < self._cost(flat) else flat
             found = self._brackets[key] = sp.Add(
                 *(
-                    sp.Mul(self._number(g.scale), self._flat(g.fronts), self._flat(g.terms))
+                    _signed(self._number(g.scale), self._flat(g.fronts), self._flat(g.terms))
                     for g in best
                 )
             )
@@ -219,8 +246,8 @@ class Display:
     def _trig_mask(self) -> int:
         indices = [i for pair in self.ring.pairs.values() for i in pair]
         fields = [self.ring.field(self.ring.unit(i)) for i in indices]
-        for _, sine, cosine in self._differences.values():
-            fields += [self.ring.field(_only(sine)), self.ring.field(_only(cosine))]
+        others = [*(pair for _, *pair in self._differences.values()), *self._opposites.values()]
+        fields += [self.ring.field(_only(x)) for pair in others for x in pair]
         return sum(fields)
 
     # -- operations -------------------------------------------------------------------------------
@@ -284,6 +311,31 @@ class Display:
                 power = generators[i] ** e
                 self._powers[factor] = _sympy_order(power), power
         return sp.Mul._from_args([power for _, power in sorted(self._powers[f] for f in factors)])
+
+
+def _signed(scale: Any, *factors: Any) -> Any:
+    """Return a product, its sign in a bracket instead of before one that begins with a minus.
+
+    -(-x + y) z is (x - y) z.
+    """
+    pairs = [factor.as_coeff_mul() for factor in factors]
+    number = sp.Mul(scale, *(c for c, _ in pairs))
+    parts = [x for _, several in pairs for x in several]
+    if number.is_negative:
+        for k, bracket in enumerate(parts):
+            if bracket.is_Add and _begins_with_minus(bracket):
+                return sp.Mul(-number, *parts[:k], _negated(bracket), *parts[k + 1 :])
+    return sp.Mul(scale, *factors)
+
+
+def _negated(bracket: Any) -> Any:
+    return sp.Add(*(_signed(sp.Integer(-1), term) for term in bracket.args))
+
+
+def _begins_with_minus(bracket: Any) -> bool:
+    """Whether the term that SymPy prints first has a minus sign."""
+    first, *_ = bracket.as_ordered_terms()
+    return bool(first.as_coeff_Mul()[0].is_negative)
 
 
 _sympy_order = cmp_to_key(sp.Basic.compare)

@@ -128,11 +128,21 @@ class Notation:
                 below.append(sp.Pow(base, -exponent))
             elif factor != 1:
                 above.append(factor)
+        if coefficient < 0:
+            coefficient, above = self._without_two_signs(coefficient, above)
         factors = sorted(map(self._factor, above), key=_by_key)
         finest = _MAX_IN_ANGLE if sp.pi in above else MAX_DENOMINATOR
         boxes = self._quotient(abs(coefficient), factors, below, finest)
         key = self._term_key(factors)
         return _Part(key, boxes, bool(coefficient < 0), key[0])
+
+    def _without_two_signs(self, coefficient: Any, factors: list[Any]) -> tuple[Any, list[Any]]:
+        """Return (number, factors) of the same product without -(-x - y), which is (x + y)."""
+        for k, x in enumerate(factors):
+            if x.is_Add and self.formula(x)[0] is NEGATIVE:
+                negated = sp.Add(*(-term for term in x.args))
+                return -coefficient, [*factors[:k], negated, *factors[k + 1 :]]
+        return coefficient, factors
 
     def _quotient(
         self, c: Any, factors: Sequence[_Part], below: Sequence[Any], finest: int

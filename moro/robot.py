@@ -175,7 +175,9 @@ class Robot(Description):
         """L = K - P [J]."""
         self._warn_if_static("lagrangian")
         self._needed("masses", "cm_positions", "inertia_tensors", "gravity")
-        return self._scalar("K", self._total_kinetic_energy) - self.potential_energy()
+        return self._scalar(
+            "L", lambda: self._total_kinetic_energy() - sum(self._form.potential_energies)
+        )
 
     # -- equations of motion ----------------------------------------------------------------------
 

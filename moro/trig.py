@@ -365,8 +365,9 @@ class TrigRing:
             factor, rest = part.as_coeff_Mul()
             if part.is_number:
                 constant += part
-            elif not factor.is_Integer:
-                terms[part] = terms.get(part, 0) + 1
+            elif not factor.is_Integer:  # sin(-q/2) is -sin(q/2)
+                sign = -1 if factor.is_negative else 1
+                terms[sign * part] = terms.get(sign * part, 0) + sign
             elif rest in self._joint_angles:
                 basic, offset = self._joint_angles[rest]
                 work.extend(sp.Add.make_args(sp.expand(factor * offset)))
@@ -402,7 +403,7 @@ class TrigRing:
         for index, inner in self._depending_on(variable):
             outer = {}
             for m, c in p.terms.items():
-                e = m >> _BITS * index & _FIELD
+                e = self.exponent(m, index)
                 if e:
                     outer[m - self.unit(index)] = c * e
             derivative = derivative + Trig(self, outer) * inner
@@ -463,6 +464,11 @@ class TrigRing:
     def unit(index: int) -> Monomial:
         """Return the monomial that is one generator."""
         return 1 << _BITS * index
+
+    @staticmethod
+    def exponent(m: Monomial, index: int) -> int:
+        """Return the exponent of one generator."""
+        return m >> _BITS * index & _FIELD
 
     @staticmethod
     def field(unit: Monomial) -> int:
