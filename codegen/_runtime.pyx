@@ -2,7 +2,7 @@
 """Loads the shared libraries of kernels and calls their functions.
 
 A call with arrays that the C function can take as they are goes straight to it; any other call goes
-to a Python function that checks, converts and broadcasts (``moro_codegen.arrays``), which reaches
+to a Python function that checks, converts and broadcasts (``moro_codegen.calls``), which reaches
 the library's batch function through a NumPy generalized universal function. Compiled once, with the
 package; nothing here knows of a particular kernel.
 """
@@ -451,11 +451,20 @@ cdef bint _meet(PyObject *one, PyObject *other) noexcept:
 
 
 cdef bint _is_spread(PyObject *array) noexcept:
-    """Tell whether no axis stays in one place."""
+    """Tell whether every axis steps beyond all that the shorter steps reach: no byte is two's."""
     cdef PyArrayObject *a = <PyArrayObject *>array
-    cdef int axis
+    cdef int axis, other
+    cdef np.npy_intp step, shorter, reach
     for axis in range(PyArray_NDIM(a)):
-        if PyArray_STRIDES(a)[axis] == 0 and PyArray_DIMS(a)[axis] > 1:
+        if PyArray_DIMS(a)[axis] <= 1:
+            continue
+        step = abs(PyArray_STRIDES(a)[axis])
+        reach = PyArray_ITEMSIZE(a)
+        for other in range(PyArray_NDIM(a)):
+            shorter = abs(PyArray_STRIDES(a)[other])
+            if shorter < step or (shorter == step and other > axis):
+                reach += shorter * (PyArray_DIMS(a)[other] - 1)
+        if step < reach:
             return False
     return True
 

@@ -23,6 +23,7 @@ from moro.robot import Robot
 from moro_codegen.convert import Converter
 from moro_codegen.emit.c import RESERVED as C_NAMES
 from moro_codegen.emit.cython import RESERVED as CYTHON_NAMES
+from moro_codegen.emit.numpy import IN_MODULE
 from moro_codegen.emit.numpy import RESERVED as NUMPY_NAMES
 from moro_codegen.functions import QD, QDD, Argument, Function, Q, System
 from moro_codegen.graph import Graph, Node
@@ -31,7 +32,7 @@ from moro_codegen.graph import Graph, Node
 MOTION = (Q, QD, QDD)
 #: names that generated code uses itself
 TAKEN = frozenset(
-    {*C_NAMES, *CYTHON_NAMES, *NUMPY_NAMES, *keyword.kwlist, *(a.name for a in MOTION)}
+    {*C_NAMES, *CYTHON_NAMES, *NUMPY_NAMES, *IN_MODULE, *keyword.kwlist, *(a.name for a in MOTION)}
 )
 #: longer expressions are not written out in headers and docstrings
 SHOWN = 200
@@ -70,7 +71,8 @@ class UserFunction:
     def __post_init__(self) -> None:
         check_name(self.name)
         for text in (self.summary, self.unit):
-            _check_text(text)
+            if not isinstance(text, str):
+                raise TypeError(f"a summary or unit is text, not {text!r}")
         object.__setattr__(self, "results", results_of(self.expression, self.name))
         for result in self.results:
             if len(result.shape) > 2:
@@ -288,18 +290,7 @@ def _shown(result: Result) -> str:
     """Return a short scalar as it is written, else what kind of thing it is."""
     if not result.shape:
         text = str(result.entries[0])
-        if len(text) <= SHOWN and not _unsafe(text):
+        if len(text) <= SHOWN:
             return text
     kind = ("expression", "vector", "matrix")[min(len(result.shape), 2)]
     return f"the {kind} given"
-
-
-def _check_text(text: Any) -> None:
-    if not isinstance(text, str):
-        raise TypeError(f"a summary or unit is text, not {text!r}")
-    if _unsafe(text):
-        raise ValueError(f'{text!r} goes into comments of C and Python: one line, no \\, */ or """')
-
-
-def _unsafe(text: str) -> bool:
-    return not text.isprintable() or any(mark in text for mark in ("\\", "*/", "/*", '"""'))

@@ -7,9 +7,9 @@ says what they are and what they were made of.
 from __future__ import annotations
 
 import builtins
-import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial, update_wrapper
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal, TypeAlias
@@ -19,16 +19,12 @@ import numpy as np
 from moro_codegen import extension
 from moro_codegen._runtime import Function, Library, gufunc
 from moro_codegen.emit.cython import package
-from moro_codegen.emit.describe import shape
-from moro_codegen.quick import quick
-from moro_codegen.signature import Array, Run, Signature
+from moro_codegen.emit.describe import docstring, shape
+from moro_codegen.signature import Signature
 from moro_codegen.store import MANIFEST, DamagedError, checked_file, read_manifest, settled
 from moro_codegen.toolchain import ProcessorError, ToolchainError
 
 Backend: TypeAlias = Literal["c", "cython", "numpy"]
-
-#: samples that a NumPy kernel works on at once, so that its intermediate results stay in the cache
-CHUNK = 4096
 
 
 class Kernel:
@@ -119,7 +115,7 @@ class Kernel:
         self.library = self.directory / library(self.name)
         opened = self._checked_library(self.library)
         for name, s in self.signatures.items():
-            symbol = f"{self.name}_{name}"
+            symbol, doc = f"{self.name}_{name}", _doc(s)
             counts = len(s.inputs), len(s.outputs)
             batch = gufunc(opened, f"{symbol}_loop", symbol, s.core, *counts, s.dtype)
             defaults = [p.default for p in s.parameters if p.default is not None]
@@ -129,11 +125,11 @@ class Kernel:
                 symbol,
                 batch,
                 name,
-                f"{s.call}\n--\n\n{s.doc}",
+                f"{s.calls.text}\n--\n\n{doc}",
                 [shape(a) for a in s.given],
                 [shape(a) for a in s.outputs],
                 parameters if s.parameters else None,
-                s.checked(_through(batch)),
+                s.calls.function(_through(batch), doc),
                 (_function_of, (self.directory, name)),
                 s.dtype,
             )
@@ -170,8 +166,8 @@ class Kernel:
         self._checked_library(self.library)
         module = extension.load(self.library)
         for name, s in self.signatures.items():
-            direct = getattr(module, name)
-            yield name, quick(direct, s.checked(_into(direct)), s)
+            run, direct = getattr(module, f"_{name}_of_arrays"), getattr(module, name)
+            yield name, _Kept(s.calls.function(run, _doc(s), direct), self.directory)
 
     def _numpy_functions(self) -> Iterator[tuple[str, Callable[..., Any]]]:
         """Yield the functions of the Python module."""
@@ -183,61 +179,41 @@ class Kernel:
         if self.manifest["key"] != module.KEY:
             raise _of_another(self.directory, self.source)
         for name, s in self.signatures.items():
-            yield name, s.checked(in_chunks(getattr(module, name), s))
+            run = s.calls.in_chunks(getattr(module, f"_{name}_of_arrays"))
+            yield name, _Kept(s.calls.function(run, _doc(s)), self.directory)
 
 
 def _of_another(folder: Path, path: Path) -> DamagedError:
     return DamagedError(folder, f"{path.name} is of another kernel than {MANIFEST} describes")
 
 
-def _function_of(directory: Path, name: str) -> Function:
-    """Return a function of the kernel in a folder, for pickle."""
-    function: Function = getattr(Kernel(directory), name).__self__
-    return function
+class _Kept(partial):  # type: ignore[type-arg]
+    """A function of Python that is pickled as that of the kernel in a folder."""
+
+    def __new__(cls, function: Callable[..., Any], directory: Path) -> _Kept:
+        kept = update_wrapper(super().__new__(cls, function), function)
+        kept._directory = directory
+        return kept
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _function_of, (self._directory, self.__name__)
 
 
-def _through(batch: np.ufunc) -> Run:
-    def run(inputs: Sequence[Array], results: Sequence[Array]) -> None:
-        batch(*inputs, out=tuple(results))
-
-    return run
-
-
-def _into(direct: Callable[..., Any]) -> Run:
-    def run(inputs: Sequence[Array], results: Sequence[Array]) -> None:
-        direct(*inputs, out=tuple(results) if len(results) > 1 else results[0])
-
-    return run
+def _function_of(directory: Path, name: str) -> Any:
+    """Return a function of the kernel in a folder; of one in C, the object it is bound to."""
+    function = getattr(Kernel(directory), name)
+    return function if isinstance(function, _Kept) else function.__self__
 
 
-def in_chunks(function: Callable[..., Any], signature: Signature) -> Run:
-    """Return a run of a NumPy function that goes through many samples CHUNK by CHUNK."""
-    several = len(signature.outputs) > 1
-
-    def fill(inputs: Sequence[Array], results: Sequence[Array]) -> None:
-        values = function(*inputs)
-        for result, value in zip(results, values if several else (values,), strict=True):
-            result[...] = value
-
-    def run(inputs: Sequence[Array], results: Sequence[Array]) -> None:
-        samples = results[0].shape[: results[0].ndim - len(signature.outputs[0].shape)]
-        count = math.prod(samples)
-        with np.errstate(all="ignore"):
-            if count <= CHUNK:
-                fill(inputs, results)
-                return
-            rows = [
-                np.broadcast_to(x, samples + shape(a)).reshape(count, *shape(a))
-                for a, x in zip(signature.inputs, inputs, strict=True)
-            ]
-            flat = [np.empty((count, *shape(a)), signature.dtype) for a in signature.outputs]
-            for start in range(0, count, CHUNK):
-                part = slice(start, start + CHUNK)
-                fill([x[part] for x in rows], [y[part] for y in flat])
-        for result, value in zip(results, flat, strict=True):
-            result[...] = value.reshape(result.shape)
+def _through(batch: np.ufunc) -> Callable[[Sequence[Any], Sequence[Any]], None]:
+    def run(arrays: Sequence[Any], results: Sequence[Any]) -> None:
+        batch(*arrays, out=tuple(results))
 
     return run
+
+
+def _doc(signature: Signature) -> str:
+    return "\n".join(docstring(signature))
 
 
 def library(name: str) -> str:

@@ -10,15 +10,14 @@ from typing import Any
 import numpy as np
 
 from moro.robot import Robot
+from moro_codegen.calls import Calls
 from moro_codegen.described import described
-from moro_codegen.emit.describe import shape
+from moro_codegen.emit.describe import docstring
 from moro_codegen.emit.floats import emit as emit_floats
-from moro_codegen.emit.numpy import emit as emit_numpy
+from moro_codegen.emit.numpy import functions as emit_numpy
 from moro_codegen.expressions import Formula, Scope, own_defaults, results_of
 from moro_codegen.generate import Program, arranged, run_time_parameters
 from moro_codegen.graph import Graph
-from moro_codegen.kernel import in_chunks
-from moro_codegen.quick import quick
 from moro_codegen.signature import Signature
 
 NAME = "lambdified"
@@ -57,26 +56,38 @@ def lambdify(
         run_time_parameters(defaults),
         (arranged(function, graph, robot.dof, partial(formula.nodes, graph, nodes)),),
     )
-    (text,) = emit_numpy(program).values()
     signature = Signature.of(described(program, robot), *program.routines)
-    general = signature.checked(in_chunks(_function(text), signature))
-    return quick(_of_arrays(_function(emit_floats(program)), signature), general, signature)
+    calls = signature.calls
+    of_arrays = _function(emit_numpy(program), f"_{NAME}_of_arrays")
+    of_floats = _function(emit_floats(program), NAME)
+    doc = "\n".join(docstring(signature))
+    return calls.function(calls.in_chunks(of_arrays), doc, _of_one_state(of_floats, calls))
 
 
-def _function(text: str) -> Callable[..., Any]:
+def _function(text: str, name: str) -> Callable[..., Any]:
     names: dict[str, Any] = {}
     exec(compile(text, "<lambdified>", "exec"), names)  # noqa: S102 - written by us just now
-    function: Callable[..., Any] = names[NAME]
+    function: Callable[..., Any] = names[name]
     return function
 
 
-def _of_arrays(of_floats: Callable[..., Any], signature: Signature) -> Callable[..., Any]:
-    """Return a function of arrays that works on lists of floats, for one state."""
-    shapes = [shape(a) for a in signature.outputs]
+def _of_one_state(of_floats: Callable[..., Any], calls: Calls) -> Callable[..., Any]:
+    """Return a function of arrays that works on lists of floats, for one state.
+
+    Other arrays, and divisions by zero, are NotImplemented.
+    """
+    cores = [a.shape for a in calls.operands]
+    shapes = [a.shape for a in calls.outputs]
 
     def function(*args: Any) -> Any:
-        with np.errstate(all="ignore"):
-            flat = of_floats(*[x.tolist() for x in args])
+        for x, core in zip(args, cores, strict=True):
+            if type(x) is not np.ndarray or x.shape != core or x.dtype != np.float64:
+                return NotImplemented
+        try:
+            with np.errstate(all="ignore"):
+                flat = of_floats(*[x.tolist() for x in args])
+        except ZeroDivisionError:
+            return NotImplemented
         values = [
             np.array(x).reshape(core) if core else np.float64(x[0])
             for x, core in zip(flat, shapes, strict=True)

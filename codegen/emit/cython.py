@@ -6,21 +6,23 @@ arrays, other Cython code through the .pxd, without the interpreter's lock.
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from moro_codegen import calls
 from moro_codegen.emit import c
 from moro_codegen.emit.describe import (
     all_inputs,
     argument_lines,
     conventions,
-    operations,
+    docstring,
     shape,
     size,
-    wrapped,
 )
 from moro_codegen.emit.render import render
+from moro_codegen.signature import Signature
 
 if TYPE_CHECKING:
     from moro_codegen.functions import Argument
@@ -31,7 +33,7 @@ RESERVED = frozenset(
     """
     cdef cpdef ctypedef cimport include nogil gil api public readonly by DEF IF ELIF ELSE NULL
     bint object size_t ptrdiff_t cnp np cython len list tuple zip isinstance type
-    TypeError ValueError
+    TypeError ValueError NotImplemented functions calls
     """.split()  # noqa: SIM905
 )
 
@@ -55,9 +57,7 @@ def emit(program: Program) -> dict[str, str]:
         "title": f"{program.name}: dynamics of a robot arm with {program.dof} joints",
         "notes": conventions(program),
         "flags": FLAGS,
-        "defaults": [p.default for p in program.parameters],
-        "none_missing": all(p.default is not None for p in program.parameters),
-        "parameters": [p.name for p in program.parameters],
+        "calls_source": inspect.getsource(calls),
         "routines": [_holes(program, routine) for routine in program.routines],
     }
     files = {
@@ -66,6 +66,7 @@ def emit(program: Program) -> dict[str, str]:
         "README.md": "cython_readme.md.jinja",
         f"{inside}/__init__.py": "cython_init.py.jinja",
         f"{inside}/__init__.pxd": "cython_init.pxd.jinja",
+        f"{inside}/calls.py": "cython_calls.py.jinja",
         f"{inside}/functions.pyx": "cython_functions.pyx.jinja",
         f"{inside}/functions.pxd": "cython_functions.pxd.jinja",
     }
@@ -76,20 +77,16 @@ def emit(program: Program) -> dict[str, str]:
 def _holes(program: Program, routine: Routine) -> dict[str, object]:
     """Return what the templates say of one routine."""
     inputs, outputs = all_inputs(program, routine), routine.outputs
-    names = [a.name for a in routine.inputs]
+    signature = Signature.of(program, routine)
     return {
         "name": routine.function.name,
-        "signature": ", ".join([*names, *(["parameters=None"] if program.parameters else [])]),
-        "call": ", ".join(names),
-        "inputs": [_array(a) for a in inputs],
+        "call": ", ".join(a.name for a in routine.inputs),
+        "operands": [_array(a) for a in inputs],
         "outputs": [_array(a) for a in outputs],
-        "only_vectors": all(len(a.shape) == 1 for a in inputs),
-        "summary": wrapped(routine.function.summary),
         "returned": ", ".join(a.name for a in outputs),
-        "arguments": argument_lines(routine.inputs),
-        "results": argument_lines(outputs),
+        "calls": signature.calls,
+        "doc": docstring(signature),
         "all_arguments": argument_lines([*inputs, *outputs]),
-        "operations": operations(routine),
         **_prototypes(inputs, outputs),
     }
 

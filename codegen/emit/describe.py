@@ -7,10 +7,11 @@ import textwrap
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from moro_codegen.emit.escape import printable
 from moro_codegen.functions import Argument
 
 if TYPE_CHECKING:
-    from moro_codegen.generate import Program, Routine
+    from moro_codegen.generate import Parameter, Program, Routine
     from moro_codegen.signature import Signature
 
 _UNITS = {"revolute": "rad, torque in N m", "prismatic": "m, force in N"}
@@ -84,7 +85,7 @@ def parameter_lines(program: Program) -> list[str]:
     for k, parameter in enumerate(program.parameters):
         default = "no default" if parameter.default is None else f"default {parameter.default!r}"
         meaning = f": {parameter.description}" if parameter.description else ""
-        lines.append(f"parameters[{k}]  {parameter.name}, {default}{meaning}")
+        lines.append(printable(f"parameters[{k}]  {parameter.name}, {default}{meaning}"))
     return lines
 
 
@@ -92,9 +93,10 @@ def argument_lines(arguments: Iterable[Argument]) -> list[str]:
     """Return a line per argument: name and shape, unit, meaning with its frame."""
     arguments = tuple(arguments)
     names = [a.name + "".join(f"[{n}]" for n in shape(a)) for a in arguments]
-    units = [f"[{a.unit}]" for a in arguments]
+    units = [printable(f"[{a.unit}]") for a in arguments]
+    wide, wider = max(map(len, names), default=0), max(map(len, units), default=0)
     return [
-        f"{name:<{max(map(len, names))}}  {unit:<{max(map(len, units))}}  {a.description}"
+        f"{name:<{wide}}  {unit:<{wider}}  {printable(a.description)}"
         for name, unit, a in zip(names, units, arguments, strict=True)
     ]
 
@@ -107,4 +109,45 @@ def operations(routine: Routine | Signature) -> str:
 
 def wrapped(text: str, width: int = 92) -> list[str]:
     """Return a paragraph as lines."""
-    return textwrap.wrap(text, width)
+    return textwrap.wrap(printable(text), width)
+
+
+def docstring(signature: Signature) -> list[str]:
+    """Return what a function's users read, line by line."""
+    returned = ", ".join(a.name for a in signature.outputs)
+    lines = [
+        printable(signature.summary),
+        "",
+        f"Takes arrays of {signature.dtype}, or what NumPy makes them of. Further axes in front",
+        "are samples, and are broadcast against each other.",
+        "",
+        *argument_lines(signature.given),
+        "",
+        f"Returns {returned}:",
+        "",
+        *argument_lines(signature.outputs),
+        "",
+    ]
+    if signature.parameters:
+        lines += [
+            "Run-time parameters, as a dict by name, a sequence in this order, or None for the",
+            "defaults:",
+            "",
+            *(_parameter_line(p) for p in signature.parameters),
+            "",
+        ]
+    else:
+        lines += ["The model has no run-time parameters: ``parameters`` is None or empty.", ""]
+    out = "a tuple of arrays" if len(signature.outputs) > 1 else "an array"
+    return [
+        *lines,
+        f"``out``: {out} of {signature.dtype} for the result; it must not overlap an input.",
+        "``threads``: so many share a large batch's samples; the results are the same.",
+        "",
+        f"Takes {operations(signature)}.",
+    ]
+
+
+def _parameter_line(parameter: Parameter) -> str:
+    default = "no default" if parameter.default is None else f"default {parameter.default!r}"
+    return printable(f"{parameter.name}  ({default})  {parameter.description}".rstrip())

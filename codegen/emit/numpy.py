@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
+import builtins
+import inspect
 import keyword
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from moro_codegen.emit.describe import (
-    all_inputs,
-    argument_lines,
-    conventions,
-    operations,
-    shape,
-    size,
-)
+from moro_codegen import calls
+from moro_codegen.emit.describe import all_inputs, conventions, docstring, shape, size
 from moro_codegen.emit.render import render
 from moro_codegen.emit.statements import FAR, Assign, Call, Load, Sines, Statement, Turn, body
+from moro_codegen.signature import Signature
 
 if TYPE_CHECKING:
     from moro_codegen.generate import Program, Routine
 
 RESERVED = frozenset({*keyword.kwlist, "np", "out", "samples", "len", "parameters"})
+#: what the module calls something else, for those who name its functions
+IN_MODULE = frozenset({"KEY", *vars(builtins), *vars(calls)})
 
 #: NumPy's names of the functions of <math.h>, where they differ
 NAMES = {
@@ -32,15 +32,32 @@ NAMES = {
 
 def emit(program: Program) -> dict[str, str]:
     """Return the text of ``<name>.py``, by file name."""
-    routines = [_holes(program, routine) for routine in program.routines]
+    signatures = [Signature.of(program, routine) for routine in program.routines]
     text = render(
         "kernel.py.jinja",
         title=f"{program.name}: dynamics of a robot arm with {program.dof} joints.",
         notes=conventions(program),
-        routines=routines,
-        far=far(program, routines),
+        functions=functions(program),
+        calls_source=calls_source(),
+        signatures=signatures,
     )
     return {f"{program.name}.py": text}
+
+
+def functions(program: Program) -> str:
+    """Return the text of a function ``_<name>_of_arrays`` for each routine: no checks of arguments.
+
+    It takes arrays of the program's type, which must hold as many components as it needs.
+    """
+    routines = [_holes(program, routine) for routine in program.routines]
+    return render("functions.py.jinja", routines=routines, far=far(program, routines))
+
+
+@cache
+def calls_source() -> str:
+    """Return the text of ``moro_codegen.calls`` from its imports on, to be part of a module."""
+    text = inspect.getsource(calls)
+    return text[text.index("import difflib") :].replace("import numpy as np\n\n", "")
 
 
 def far(program: Program, routines: Sequence[Mapping[str, Any]]) -> float | None:
@@ -51,13 +68,11 @@ def far(program: Program, routines: Sequence[Mapping[str, Any]]) -> float | None
 
 def _holes(program: Program, routine: Routine) -> dict[str, Any]:
     """Return what the template says of one routine."""
-    inputs, outputs = all_inputs(program, routine), routine.outputs
+    inputs = all_inputs(program, routine)
     return {
         "name": routine.function.name,
         "parameters": ", ".join(a.name for a in inputs),
-        "summary": routine.function.summary,
-        "arguments": argument_lines([*inputs, *outputs]),
-        "operations": operations(routine),
+        "doc": docstring(Signature.of(program, routine)),
         "body": list(_lines(program, routine)),
     }
 
@@ -67,8 +82,6 @@ def _lines(program: Program, routine: Routine) -> Iterator[str]:
     inputs, outputs = all_inputs(program, routine), routine.outputs
     text = body(program, routine, {*RESERVED, *(a.name for a in (*inputs, *outputs))})
     dtype = "np.float32" if program.scalar == "float" else "float"
-    for a in inputs:
-        yield f"{a.name} = np.asarray({a.name}, dtype={dtype})"
     leading = ", ".join(f"{a.name}.shape[: {a.name}.ndim - {len(a.shape)}]" for a in inputs)
     yield f"samples = np.broadcast_shapes({leading})"
     shapes = {a.name: shape(a) for a in inputs}

@@ -8,6 +8,7 @@ from typing import Any
 import jinja2
 
 import moro
+from moro_codegen.emit.escape import c_comment, python_docstring
 
 
 def render(template: str, **holes: Any) -> str:
@@ -26,4 +27,5 @@ def _environment() -> jinja2.Environment:
         autoescape=False,  # noqa: S701 - C and Python, not HTML
     )
     environment.globals["version"] = moro.__version__
+    environment.filters |= {"c_comment": c_comment, "docstring": python_docstring, "python": repr}
     return environment

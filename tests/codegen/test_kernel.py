@@ -344,14 +344,14 @@ def test_the_environment_of_the_process_stays(tmp_path, monkeypatch):
 
 def test_numpy_in_chunks(tmp_path, monkeypatch):
     """Many samples go through in parts, whatever is broadcast and wherever results go."""
-    from moro_codegen import kernel as module
+    from moro_codegen import calls
 
     kernel = build(generate(reference_model("two_link")), tmp_path / "arm", "numpy")
     rng = np.random.default_rng(1)
     q, qd = rng.uniform(-1, 1, (13, 1, 2)), rng.uniform(-1, 1, (7, 2))
     qdd = np.zeros(2)
     expected = kernel.tau(q, qd, qdd)
-    monkeypatch.setattr(module, "CHUNK", 10)
+    monkeypatch.setattr(calls, "CHUNK", 10)
     assert np.array_equal(kernel.tau(q, qd, qdd), expected)
     out = np.empty((2, 7, 13)).T
     kernel.tau(q, qd, qdd, out=out)

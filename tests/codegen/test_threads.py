@@ -10,10 +10,10 @@ import pytest
 from arms import reference_model
 from programs import everything_program
 
-from moro_codegen import signature
+from moro_codegen import calls
 from moro_codegen.builder import build
+from moro_codegen.calls import in_threads
 from moro_codegen.generate import generate
-from moro_codegen.threads import in_threads
 
 
 @pytest.fixture(scope="module", params=["c", "numpy"])
@@ -25,7 +25,7 @@ def arm(request, tmp_path_factory):
 @pytest.fixture
 def small_parts(monkeypatch):
     """Let every batch, however small, be divided."""
-    monkeypatch.setattr(signature, "WORTHWHILE", 1)
+    monkeypatch.setattr(calls, "WORTHWHILE", 1)
 
 
 def states(*shape, seed=0):
@@ -77,12 +77,12 @@ def test_many_threads_call_one_kernel(arm):
 
 def test_small_batches_stay_in_one_thread(arm, monkeypatch):
     asked = []
-    monkeypatch.setattr(signature, "in_threads", lambda *a: (asked.append(a[-1]), in_threads(*a)))
+    monkeypatch.setattr(calls, "in_threads", lambda *a: (asked.append(a[-1]), in_threads(*a)))
     operations = sum(arm.ops["tau"].values())
     for samples in (
         1,
-        signature.WORTHWHILE // operations,
-        2 * signature.WORTHWHILE // operations + 2,
+        calls.WORTHWHILE // operations,
+        2 * calls.WORTHWHILE // operations + 2,
     ):
         arm.tau(np.zeros((samples, 6)), np.zeros(6), np.zeros(6), threads=8)
     assert asked[:2] == [0, 0]
