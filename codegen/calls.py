@@ -263,7 +263,7 @@ class Calls:
     def _samples(self, arrays: Sequence[Any]) -> tuple[int, ...]:
         """Return the shape of the samples: all axes in front of the components, broadcast."""
         operands = list(zip(self.operands, arrays, strict=True))
-        leading = {x.shape[: x.ndim - len(a.shape)] for a, x in operands}
+        leading: set[tuple[int, ...]] = {x.shape[: x.ndim - len(a.shape)] for a, x in operands}
         if len(leading) == 1:
             return leading.pop()
         try:

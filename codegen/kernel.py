@@ -190,13 +190,16 @@ def _of_another(folder: Path, path: Path) -> DamagedError:
 class _Kept(partial):  # type: ignore[type-arg]
     """A function of Python that is pickled as that of the kernel in a folder."""
 
+    _origin: tuple[Path, str]
+
     def __new__(cls, function: Callable[..., Any], directory: Path) -> _Kept:
-        kept = update_wrapper(super().__new__(cls, function), function)
-        kept._directory = directory
+        kept = super().__new__(cls, function)
+        update_wrapper(kept, function)
+        kept._origin = directory, function.__name__
         return kept
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _function_of, (self._directory, self.__name__)
+        return _function_of, self._origin
 
 
 def _function_of(directory: Path, name: str) -> Any:
