@@ -127,6 +127,13 @@ class Function:
     algorithm: str = ""
     #: run-time parameters besides those of the robot, with their defaults (None: no default)
     parameters: Mapping[Any, Any] = field(default_factory=dict, hash=False)
+    #: what it computes together, in the order of its outputs; itself if that is all
+    together: tuple[Function, ...] = ()
+
+    @property
+    def parts(self) -> tuple[Function, ...]:
+        """The functions that it computes, none of which computes several."""
+        return tuple(part for one in self.together for part in one.parts) or (self,)
 
 
 def own_parameters(functions: Iterable[Function]) -> dict[Any, Any]:

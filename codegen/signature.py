@@ -17,6 +17,15 @@ DTYPES = {"double": "float64", "float": "float32"}
 
 
 @dataclass(frozen=True)
+class Part:
+    """A function that is computed, alone or together with others."""
+
+    name: str
+    #: how many results it has
+    outputs: int
+
+
+@dataclass(frozen=True)
 class Signature:
     """A function of a kernel: what it computes, from what, with how many operations."""
 
@@ -27,6 +36,8 @@ class Signature:
     outputs: tuple[Argument, ...]
     parameters: tuple[Parameter, ...]
     ops: Mapping[str, int]
+    #: what it is made of, in the order of the outputs
+    parts: tuple[Part, ...]
     #: of all arrays: float64 or float32
     dtype: str = "float64"
 
@@ -40,6 +51,7 @@ class Signature:
             routine.outputs,
             program.parameters,
             routine.ops,
+            tuple(Part(part.name, len(part.outputs)) for part in routine.function.parts),
             DTYPES[program.scalar],
         )
 
@@ -60,6 +72,7 @@ class Signature:
                 "inputs": arguments(data["inputs"]),
                 "outputs": arguments(data["outputs"]),
                 "parameters": tuple(Parameter(**item) for item in data["parameters"]),
+                "parts": tuple(Part(**item) for item in data["parts"]),
             }
         )
 

@@ -24,7 +24,7 @@ from moro_codegen import waiting
 
 MANIFEST = "manifest.json"
 #: of the manifest and of what the runtime expects in a library
-FORMAT = 2
+FORMAT = 3
 
 #: fields that shape a kernel, or say what its functions are: the key is their hash
 SHAPING = (

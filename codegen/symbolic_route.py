@@ -6,29 +6,36 @@ shares nothing with the recursive algorithms that kernels are made from.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from time import thread_time
 from typing import Any, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 import sympy as sp
+from numpy.typing import NDArray
 
 from moro import Robot
 from moro.abc import t
 from moro.closed_form import ClosedForm
 from moro.dual import DualRing
-from moro.trig import TrigRing
+from moro.trig import Trig, TrigRing
+from moro_codegen import at_states
 
-Array: TypeAlias = npt.NDArray[np.float64]
+Array: TypeAlias = NDArray[np.float64]
 
 #: seconds that closed forms may take; the same formulas are evaluated as numbers otherwise
 TIME_LIMIT = 5.0
+#: seconds that the formulas at the states may take, and their derivatives: of more states, a part
+STATES_LIMIT = 20.0
 #: step of complex-step derivatives: Im f(x + ih) / h has no cancellation, so h may be tiny
 STEP = 1e-30
-#: states at which derivatives are evaluated, each of which takes 2 n evaluations
+#: states at which derivatives are evaluated, each of which takes n evaluations
 DERIVATIVE_STATES = 8
+#: M is singular where a scaled eigenvalue is below so many roundings a joint
+SINGULAR = 10
 
 
 class SymbolicRoute:
@@ -40,19 +47,16 @@ class SymbolicRoute:
 
     def __init__(self, robot: Robot, time_limit: float = TIME_LIMIT):
         self.robot = robot
-        self._velocities = [sp.Symbol(f"qd_{i}") for i in range(1, robot.dof + 1)]
-        try:
-            self._derive(TrigRing(time_limit))
-            self.is_closed_form = True
-        except TimeoutError:
-            self.is_closed_form = False
+        # no names: a parameter of the robot's may have any
+        self._velocities = [sp.Dummy(f"qd_{i}") for i in range(1, robot.dof + 1)]
+        self._closed: _Closed | None = None
+        with suppress(TimeoutError):
+            self._closed = _Closed.of(robot, self._velocities, TrigRing(time_limit))
 
-    def _derive(self, ring: TrigRing) -> None:
-        form = ClosedForm(self.robot.arm, ring)
-        self._ring = ring
-        self._M = form.inertia_matrix
-        self._C = form.coriolis_matrix([ring.convert(v) for v in self._velocities])
-        self._G = form.gravity_vector
+    @property
+    def is_closed_form(self) -> bool:
+        """Whether M, C and G are known in closed form."""
+        return self._closed is not None
 
     @property
     def name(self) -> str:
@@ -60,41 +64,72 @@ class SymbolicRoute:
         return "closed form" if self.is_closed_form else "formulas evaluated at the states"
 
     @property
-    def terms(self) -> int:
-        """Number of terms of the closed forms M, C and G."""
-        return sum(len(p) for row in (*self._M, *self._C, self._G) for p in row)
+    def terms(self) -> int | None:
+        """Number of terms of the closed forms M, C and G; None without them."""
+        return None if self._closed is None else self._closed.terms
 
     def tau(self, q: Array, qd: Array, qdd: Array, parameters: Mapping[Any, float]) -> Array:
         """Return M qdd + C qd + G + friction for states of shape (states, n)."""
         return Dynamics(self, q, qd, qdd, parameters).tau
 
     def matrices(
-        self, q: Array, qd: Array, parameters: Mapping[Any, float]
+        self, q: NDArray[Any], qd: Array, parameters: Mapping[Any, float]
     ) -> tuple[Array, Array, Array]:
-        """Return M, C (states, n, n) and G (states, n); q and qd may be complex in closed form."""
-        values = {**dict(zip(self.robot.qs, q.T, strict=True)), **parameters}
-        evaluate = self._by_closed_form if self.is_closed_form else self._by_formulas
-        M, C, G = evaluate(values, qd)
+        """Return M, C (states, n, n) and G (states, n); q and qd, (states, n), may be complex."""
+        size = at_states.block(self.robot.dof)
+        parts = []
+        for k in range(0, len(q), size):
+            values = {**dict(zip(self.robot.qs, q[k : k + size].T, strict=True)), **parameters}
+            rates = qd[k : k + size].T
+            if self._closed is None:
+                parts.append(at_states.matrices(self.robot.arm, self.robot.qs, values, rates))
+            else:
+                known = dict(zip(self._velocities, rates, strict=True))
+                parts.append(self._closed.evaluate({**values, **known}))
+        M, C, G = (np.concatenate(same, axis=-1) for same in zip(*parts, strict=True))
         return np.moveaxis(M, -1, 0), np.moveaxis(C, -1, 0), G.T
 
-    def _by_closed_form(self, values: Mapping[Any, Any], qd: Array) -> tuple[Array, Array, Array]:
-        values = {**values, **dict(zip(self._velocities, qd.T, strict=True))}
+    def affordable(self, q: NDArray[Any], parameters: Mapping[Any, float], limit: float) -> int:
+        """Return how many states like these, at least one, are evaluated within so many seconds.
 
-        def numbers(row: Any) -> Array:
-            return np.array([self._ring.evaluate(p, values) for p in row])
+        The first ones are evaluated to find out; in closed form any number is affordable.
+        """
+        if self.is_closed_form:
+            return len(q)
+        few = q[: at_states.block(self.robot.dof)]
+        start = thread_time()
+        self.matrices(few, np.ones_like(few), parameters)
+        return max(1, int(limit / (thread_time() - start) * len(few)))
 
-        M, C = (np.array([numbers(row) for row in matrix]) for matrix in (self._M, self._C))
-        return M, C, numbers(self._G)
 
-    def _by_formulas(self, values: Mapping[Any, Any], qd: Array) -> tuple[Array, Array, Array]:
-        ring = DualRing(self.robot.qs, values)
-        form = ClosedForm(self.robot.arm, ring)
-        rates = [ring.constant(v) for v in qd.T]
-        return (
-            _rows(form.inertia_matrix),
-            _rows(form.coriolis_matrix(rates)),
-            _values(form.gravity_vector),
-        )
+@dataclass(frozen=True)
+class _Closed:
+    """M, C and G as polynomials of a ring."""
+
+    ring: TrigRing
+    M: list[list[Trig]]
+    C: list[list[Trig]]
+    G: list[Trig]
+
+    @classmethod
+    def of(cls, robot: Robot, velocities: Sequence[Any], ring: TrigRing) -> _Closed:
+        """Return the closed forms. Raise TimeoutError when the ring does."""
+        form = ClosedForm(robot.arm, ring)
+        C = form.coriolis_matrix([ring.convert(v) for v in velocities])
+        return cls(ring, form.inertia_matrix, C, form.gravity_vector)
+
+    @property
+    def terms(self) -> int:
+        return sum(len(p) for row in (*self.M, *self.C, self.G) for p in row)
+
+    def evaluate(self, values: Mapping[Any, Any]) -> tuple[Array, Array, Array]:
+        """Return M, C (n, n, states) and G (n, states)."""
+
+        def numbers(row: Sequence[Trig]) -> Array:
+            return np.array([self.ring.evaluate(p, values) for p in row])
+
+        M, C = (np.array([numbers(row) for row in matrix]) for matrix in (self.M, self.C))
+        return M, C, numbers(self.G)
 
 
 @dataclass
@@ -109,6 +144,8 @@ class Dynamics:
     qd: Array
     qdd: Array
     parameters: Mapping[Any, float]
+    #: of the arithmetic that is judged
+    rounding: float = float(np.finfo(float).eps)
 
     @property
     def robot(self) -> Robot:
@@ -178,25 +215,42 @@ class Dynamics:
 
     @cached_property
     def tau_slopes(self) -> tuple[Array, Array]:
-        """Derivatives of tau by q and qd at ``few`` states: complex steps in the closed form."""
+        """Derivatives of tau by q and qd at ``few`` states.
+
+        By q in complex steps. C qd is quadratic in qd with symmetric c_ijk, so by qd they are 2 C.
+        """
         n, few = self.robot.dof, self.few
-        steps = 1j * STEP * np.eye(2 * n)[:, np.newaxis, :]  # one for each variable
-        q = (self.q[few] + steps[..., :n]).reshape(-1, n)
-        qd = (self.qd[few] + steps[..., n:]).reshape(-1, n)
-        qdd = np.tile(self.qdd[few], (2 * n, 1))
+        steps = 1j * STEP * np.eye(n)[:, np.newaxis, :]  # one for each variable
+        q = (self.q[few] + steps).reshape(-1, n)
+        qd, qdd = (np.tile(x[few], (n, 1)) for x in (self.qd, self.qdd))
         M, C, G = self.route.matrices(q, qd, self.parameters)
         tau = np.imag(_apply(M, qdd) + _apply(C, qd) + G) / STEP
-        slopes = np.moveaxis(tau.reshape(2 * n, -1, n), 0, -1)
+        by_q = np.moveaxis(tau.reshape(n, -1, n), 0, -1)
         viscous = [
             float(sp.sympify(x).subs(dict(self.parameters)))
             for x in self.robot.viscous_friction or [0] * n
         ]
-        return slopes[..., :n], slopes[..., n:] + np.diag(viscous)
+        return by_q, 2 * self.C[few] + np.diag(viscous)
 
-    @property
-    def few(self) -> slice:
-        """The states for what takes long."""
-        return slice(None, None, max(1, len(self.q) // DERIVATIVE_STATES))
+    @cached_property
+    def few(self) -> NDArray[np.int_]:
+        """The states for what takes long, by index."""
+        complex_q = self.q[:DERIVATIVE_STATES] + 0j
+        count = self.route.affordable(complex_q, self.parameters, STATES_LIMIT) // self.robot.dof
+        return spread(len(self.q), min(max(count, 1), DERIVATIVE_STATES))
+
+    @cached_property
+    def regular(self) -> NDArray[np.bool_]:
+        """Tell for each state whether M can be inverted in arithmetic with ``rounding``.
+
+        M is measured by each joint's greatest inertia in all the states: what matters is neither
+        the units nor that a wrist is lighter than a shoulder.
+        """
+        felt = np.max(np.diagonal(self.M, axis1=1, axis2=2), axis=0)
+        felt = np.sqrt(np.where(felt > 0, felt, 1.0))
+        least = np.linalg.eigvalsh(self.M / felt / felt[:, np.newaxis])[:, 0]
+        regular: NDArray[np.bool_] = least > SINGULAR * self.robot.dof * self.rounding
+        return regular
 
     @cached_property
     def _form(self) -> ClosedForm:
@@ -206,13 +260,22 @@ class Dynamics:
 
     @cached_property
     def _friction(self) -> Array:
-        rates = [q.diff(t) for q in self.robot.qs]
-        symbols = [sp.Dummy() for _ in rates]
-        vector = self.robot.friction_vector().xreplace(dict(zip(rates, symbols, strict=True)))
-        torque = sp.lambdify([*symbols, *self.parameters], list(vector), "numpy")
-        columns = torque(*self.qd.T, *self.parameters.values())
-        friction: Array = np.stack([np.broadcast_to(x, len(self.qd)) for x in columns], axis=1)
-        return friction.astype(float)
+        values = {q.diff(t): x for q, x in zip(self.robot.qs, self.qd.T, strict=True)}
+        return evaluated(self.robot.friction_vector(), {**values, **self.parameters}, len(self.qd))
+
+
+def evaluated(expressions: Iterable[Any], values: Mapping[Any, Any], states: int) -> Array:
+    """Return the values of SymPy expressions (states, expressions); symbols may have any name."""
+    symbols = {symbol: sp.Dummy() for symbol in values}
+    plain = [sp.sympify(x).xreplace(symbols) for x in expressions]
+    function = sp.lambdify(list(symbols.values()), plain, "numpy", cse=True)
+    columns = [np.broadcast_to(x, states) for x in function(*values.values())]
+    return np.stack(columns, axis=1).astype(float)
+
+
+def spread(count: int, some: int) -> NDArray[np.int_]:
+    """Return the indices of so many states of ``count``, from the first to the last."""
+    return np.linspace(0, count - 1, min(some, count)).astype(int)
 
 
 def _apply(matrices: Array, vectors: Array) -> Array:

@@ -40,6 +40,7 @@ def together(functions: Sequence[Function]) -> Function:
         + " ".join(function.summary for function in functions),
         build,
         parameters=own_parameters(functions),
+        together=tuple(functions),
     )
 
 

@@ -153,18 +153,18 @@ class ClosedForm:
     # -- what is given, as scalars of the ring ----------------------------------------------------
 
     def _mass(self, i: int) -> Scalar:
-        return self.ring.convert(_given(self.arm.masses)[i])
+        return self.ring.convert(given(self.arm.masses)[i])
 
     def _cm(self, i: int) -> Vec:
-        return self.chain.point(i, [self.ring.convert(x) for x in _given(self.arm.cm_positions)[i]])
+        return self.chain.point(i, [self.ring.convert(x) for x in given(self.arm.cm_positions)[i]])
 
     def _inertia(self, i: int) -> Mat:
-        tensor = _given(self.arm.inertia_tensors)[i]
+        tensor = given(self.arm.inertia_tensors)[i]
         return self.chain.tensor(i, [[self.ring.convert(x) for x in row] for row in tensor])
 
     @cached_property
     def _gravity(self) -> Vec:
-        return [self.ring.convert(x) for x in _given(self.arm.gravity)]
+        return [self.ring.convert(x) for x in given(self.arm.gravity)]
 
     def _rotor_inertia(self, i: int) -> Scalar:
         if self.arm.rotor_inertias is None:
@@ -175,7 +175,7 @@ class ClosedForm:
         return sum(scalars, self.ring.zero)
 
 
-def _given(values: Any) -> Any:
+def given(values: Any) -> Any:
     """Return ``values``; Robot has told the user before if they are not set."""
     if values is None:
         raise ValueError("masses, centres of mass, inertia tensors and gravity must be set first")

@@ -20,9 +20,10 @@ q2 + q3, so that their rotations compose without products; see ``TrigRing.declar
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
-from time import monotonic
+from time import thread_time
 from typing import Any, TypeAlias
 
 import sympy as sp
@@ -31,6 +32,8 @@ Coefficient: TypeAlias = "int | Fraction"
 Monomial: TypeAlias = int
 
 _BITS = 8
+#: terms times values that are evaluated at once
+_CHUNK = 1 << 20
 _FIELD = (1 << _BITS) - 1
 #: the highest exponent that a product may reach; beyond it a field would overflow
 MAX_EXPONENT = (1 << (_BITS - 1)) - 1
@@ -127,11 +130,12 @@ class TrigRing:
     """The ring of trigonometric polynomials over the rationals, in generators as they turn up.
 
     ``declare_angles`` comes first: it says which sums of joint variables are the basic angles.
-    With a ``time_limit`` [s], arithmetic that goes on for longer raises TimeoutError.
+    With a ``time_limit`` [s, of this thread on its processor, so that a busy machine gives the
+    same], arithmetic that goes on for longer raises TimeoutError.
     """
 
     def __init__(self, time_limit: float = float("inf")) -> None:
-        self._deadline = monotonic() + time_limit
+        self._deadline = thread_time() + time_limit
         self.zero = Trig(self, {})
         self.one = Trig(self, {0: 1})
         self.half = Fraction(1, 2)
@@ -241,7 +245,7 @@ class TrigRing:
 
     def reduced(self, terms: dict[Monomial, Coefficient]) -> dict[Monomial, Coefficient]:
         """Apply ``s^2 = 1 - c^2``, ``sqrt(n)^2 = n``, ``g p = 1`` until none does; drop zeros."""
-        if monotonic() > self._deadline:
+        if thread_time() > self._deadline:
             raise TimeoutError("the closed form takes longer than the time limit")
         mask = self._reducible
         work = [(m, c) for m, c in terms.items() if m & mask]
@@ -507,17 +511,28 @@ class TrigRing:
         """
         import numpy as np
 
-        count = len(self.generators)
-        packed = b"".join(m.to_bytes(count, "little") for m in p.terms)
-        exponents = np.frombuffer(packed, dtype=np.uint8).reshape(-1, count)
-        total = np.array([float(c) for c in p.terms.values()])
         shape = np.broadcast_shapes(*(np.shape(v) for v in values.values()))
-        total = total.reshape(-1, *(1,) * len(shape))
-        for index in np.flatnonzero(exponents.any(axis=0)):
-            value = np.broadcast_to(_numeric(self.generators[index], values), shape)
-            powers = np.stack([value**e for e in range(exponents[:, index].max() + 1)])
-            total = total * powers[exponents[:, index]]
-        return np.broadcast_to(total.sum(axis=0), shape)
+        known: dict[int, Any] = {}
+
+        def value(index: int) -> Any:
+            if index not in known:
+                known[index] = np.broadcast_to(_numeric(self.generators[index], values), shape)
+            return known[index]
+
+        count, items = len(self.generators), list(p.terms.items())
+        size = max(1, _CHUNK // max(1, math.prod(shape)))
+        total = np.zeros(shape)
+        for start in range(0, len(items), size):
+            terms = items[start : start + size]
+            packed = b"".join(m.to_bytes(count, "little") for m, _ in terms)
+            exponents = np.frombuffer(packed, dtype=np.uint8).reshape(-1, count)
+            part = np.array([float(c) for _, c in terms]).reshape(-1, *(1,) * len(shape))
+            for index in np.flatnonzero(exponents.any(axis=0)).tolist():
+                e = exponents[:, index]
+                powers = np.stack([value(index) ** k for k in range(e.max() + 1)])
+                part = part * powers[e]
+            total = total + part.sum(axis=0)
+        return total
 
 
 def _accumulate(terms: dict[Monomial, Coefficient], m: Monomial, c: Coefficient) -> None:

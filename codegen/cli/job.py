@@ -119,7 +119,7 @@ def _timings(kernel: Kernel, robot: Robot, route: SymbolicRoute) -> list[Timing]
     if "tau" not in kernel.signatures:
         return others
     tell("timing tau")
-    short = route.is_closed_form and route.terms <= LAMBDIFY_TERMS
+    short = route.terms is not None and route.terms <= LAMBDIFY_TERMS
     lambdified = lambdify_tau(robot) if short else None
     with TemporaryDirectory() as folder:
         dtype = kernel.signatures["tau"].dtype

@@ -80,7 +80,7 @@ def _facts(outcome: Outcome) -> Iterator[Row]:
         yield Row("operations", str(_operations(ops)), note)
         if outcome.rigid and (drives := _operations(ops) - _operations(outcome.rigid)):
             yield Row("", str(drives), "of these for friction and rotor inertia")
-    length = f"{route.terms} terms" if route.is_closed_form else "too long to write out"
+    length = "too long to write out" if route.terms is None else f"{route.terms} terms"
     yield Row("time to derive", _duration(times["derive"]), f"M, C, G: {length}")
     yield Row("time to generate", _duration(times["generate"]), "from model to source text")
     compiler = (kernel.manifest["compiler"] or {}).get("version", "no compiler needed")
@@ -88,9 +88,12 @@ def _facts(outcome: Outcome) -> Iterator[Row]:
         yield Row("time to compile", "-", "built before from the same input")
     else:
         yield Row("time to compile", _duration(times["compile"]), compiler)
-    states = f"{len(verification.q)} states, against the {verification.route}"
+    states = f"{verification.states}, against the {verification.route}"
     verdict, style = ("verified", "dim") if verification.passed else ("NOT VERIFIED", "bold red")
     yield Row("largest error", f"{verification.max_error:.1e}", f"{verdict}: {states}", style)
+    if len(verification.singular):
+        text = f"where M is singular: {verification.singular_postures}"
+        yield Row("not compared", "-", f"forward dynamics {text}")
     for name in verification.unchecked:
         yield Row("not checked", "-", f"{name}: the symbolic route has no such function")
 
@@ -110,8 +113,9 @@ def _comparison(outcome: Outcome) -> Iterator[Row]:
             multiple = "" if timing is same[0] else f", {_ratio(ratio)} the kernel"
             yield Row(timing.what, _duration(timing.seconds), f"{title}{multiple}")
         if name == "tau" and same and not batch and "SymPy lambdify" not in [t.what for t in same]:
-            left_out = f"left out: {outcome.route.terms:,} terms take it too long"
-            yield Row("SymPy lambdify", "-", left_out)
+            terms = outcome.route.terms
+            what = "the equations" if terms is None else f"{terms:,} terms"
+            yield Row("SymPy lambdify", "-", f"left out: {what} take it too long")
 
 
 def _by_function(outcome: Outcome) -> Iterator[tuple[str, ...]]:

@@ -150,7 +150,7 @@ def test_opening_a_kernel(tmp_path):
     with pytest.raises(FileNotFoundError):
         mc.Kernel(tmp_path / "other")
     manifest = tmp_path / "arm" / "manifest.json"
-    manifest.write_text(manifest.read_text().replace('"format": 2', '"format": 0'))
+    manifest.write_text(manifest.read_text().replace(f'"format": {FORMAT}', '"format": 0'))
     with pytest.raises(ValueError, match="another version"):
         mc.Kernel(tmp_path / "arm")
 
