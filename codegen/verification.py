@@ -298,8 +298,8 @@ def _by_expression(
     values |= {s: parameters[str(s)] for s in scope.parameters if s in used}
     for result, array in zip(function.results, found, strict=True):
         expected = evaluated(result.entries, values, len(x.q)).reshape(-1, *result.shape)
-        # a square root of what is negative at a state is one on both sides
-        yield Pair(array, np.where(np.isnan(array) & np.isnan(expected), 0.0, expected))
+        undefined = np.isnan(array) & np.isnan(expected)  # a root of what is negative at a state
+        yield Pair(np.where(undefined, 0, array), np.where(undefined, 0, expected))
 
 
 def _rounded(numbers: Any, dtype: str) -> Array:
@@ -313,8 +313,9 @@ def _errors(pair: Pair) -> Array:
     largest = np.max(np.abs(pair.expected), axis=axes)
     # where everything must be zero, errors are absolute
     scale = np.maximum(largest, FLOOR * float(np.max(largest, initial=0)) or 1.0)
-    errors: Array = np.max(np.abs(pair.found - pair.expected), axis=axes)
-    return errors / np.maximum(scale, pair.size)
+    apart = np.max(np.abs(pair.found - pair.expected), axis=axes)
+    errors: Array = apart / np.maximum(scale, pair.size)
+    return errors
 
 
 def _states(robot: Robot, states: int, rng: np.random.Generator) -> tuple[Array, Array, Array]:

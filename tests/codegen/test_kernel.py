@@ -17,6 +17,7 @@ import moro as mr
 import moro_codegen as mc
 from moro_codegen.builder import build
 from moro_codegen.generate import generate
+from moro_codegen.store import FORMAT
 from moro_codegen.toolchain import ToolchainError, find_compiler
 
 

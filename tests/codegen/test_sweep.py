@@ -4,6 +4,8 @@ The longest tests there are: `pytest -m "not sweep"` leaves them out.
 """
 
 import random
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -91,3 +93,22 @@ def test_compiled_random_arms_equal_the_numpy_backend(joints, folder):
         given = states[: len(compiled.signatures[name].given)]
         found, expected = (np.atleast_1d(getattr(k, name)(*given)[0]) for k in (compiled, in_numpy))
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("joints", [12, 30, 60])
+def test_the_command_on_long_arms(joints, tmp_path):
+    """The whole job, timing and all, where the equations are too long for a closed form."""
+    rng = random.Random(joints)
+    links = [
+        f"  - {{joint: revolute, a: {rng.randint(1, 9) / 50}, alpha: {rng.choice(['pi/2', 0])}, "
+        f"d: {rng.randint(0, 9) / 50}, theta: 0, mass: {rng.randint(1, 9) / 4}, "
+        f"com: [{rng.randint(-9, 9) / 100}, 0.02, 0.01], inertia: [0.1, 0.12, 0.11]}}"
+        for _ in range(joints)
+    ]
+    text = "\n".join(["name: long", "convention: dh", "gravity: [0, 0, -9.81]", "links:", *links])
+    (tmp_path / "long.yaml").write_text(text)
+    command = [sys.executable, "-m", "moro_codegen.cli", "long.yaml"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    for words in ("too long to write out", "verified: ", "the equations take it too long"):
+        assert words in done.stdout

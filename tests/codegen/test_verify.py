@@ -10,7 +10,7 @@ from robots import random_robot
 
 import moro as mr
 import moro_codegen as mc
-from moro.abc import l1, l2, q1, q2
+from moro.abc import l1, l2, q1, q2, q3
 from moro_codegen.verification import CHECKS, TOLERANCE, TOLERANCES, SymbolicRoute
 
 
@@ -176,9 +176,10 @@ def test_functions_together_and_of_ones_own(folder):
     functions = (own, together, ("tau", own))
     verification = mc.verify(mc.compile(robot, functions=functions, directory=folder), robot)
     assert verification.passed
-    assert list(verification.errors) == ["tau_with_wrench_inertia_matrix_forward_dynamics"]
-    assert verification.unchecked == ("height", "tau_height")
-    assert "not checked: height, tau_height" in repr(verification)
+    joined = "tau_with_wrench_inertia_matrix_forward_dynamics"
+    assert list(verification.errors) == [joined, "tau_height"]
+    assert verification.unchecked == ("height",)
+    assert "not checked: height" in repr(verification)
     verification = mc.verify(mc.compile(robot, functions=(own,), directory=folder), robot)
     assert not verification.passed
     assert np.isnan(verification.max_error)
@@ -194,3 +195,179 @@ def test_the_regressor_is_a_function_by_name(folder):
     verification = mc.verify(kernel, robot)
     assert verification.passed
     assert not verification.unchecked
+
+
+def test_functions_are_known_by_what_they_are_not_by_their_names(folder):
+    robot = mr.load("two_link")
+    first, second = robot.qs
+    own = (
+        mc.Function("tau_bias", sp.sqrt(first) + robot.T[1, 3] * first.diff(sp.Symbol("t"))),
+        mc.Function("tau_gravity_vector", [second**2, robot.T]),
+    )
+    kernel = mc.compile(robot, (*own, "tau", ("tau", "bias", own[0])), directory=folder)
+    verification = mc.verify(kernel, robot)
+    assert verification.unchecked == ("tau_bias", "tau_gravity_vector")
+    assert list(verification.errors) == ["tau", "tau_bias_tau_bias"]
+    assert verification.passed
+    verification = mc.verify(mc.Kernel(kernel.directory), robot, functions=own)
+    assert not verification.unchecked
+    assert set(verification.errors) == set(kernel.signatures)
+    assert verification.passed
+    wrong = mc.Function("tau_gravity_vector", [second**2 * 1.001, robot.T])
+    verification = mc.verify(kernel, robot, functions=(own[0], wrong))
+    assert verification.max_errors["tau_gravity_vector"] > TOLERANCE
+    assert verification.max_errors["tau_bias"] < TOLERANCE
+
+
+def test_names_of_parameters_meet_none_of_the_route(folder):
+    """qd_1 was a velocity, sin and sign functions, of what the route is evaluated with."""
+    names = dict(zip("mlvcd", sp.symbols("qd_1 sin sign q_1 M"), strict=True))
+    robot = mr.Robot((names["l"], 0, 0, q1), (sp.sqrt(names["l"]), 0, 0, q2), name="named")
+    robot.masses = [1, names["m"]]
+    robot.cm_positions = [[-names["l"] / 2, 0, 0], [0, 0, 0]]
+    robot.inertia_tensors = [sp.eye(3) / 10] * 2
+    robot.gravity = [0, -9.81, 0]
+    robot.viscous_friction, robot.coulomb_friction = [names["v"], 0], [names["c"], names["d"]]
+    kernel = mc.compile(robot, ("tau", "tau_derivatives"), directory=folder, backend="numpy")
+    for time_limit in (60, 0):
+        assert mc.verify(kernel, robot, route=SymbolicRoute(robot, time_limit)).passed
+
+
+# -- states --------------------------------------------------------------------------------------
+
+
+def turn_and_slide(limits):
+    """M = diag(2 q2^2, 2): singular where nothing is slid out."""
+    rows = [(0, -sp.pi / 2, 0, sp.pi / 2 + q1), (0, sp.pi / 2, q2, sp.pi / 2, "p")]
+    robot = mr.Robot(*rows, name="turn_and_slide")
+    robot.masses, robot.cm_positions = [0, 2], [[0, 0, 0]] * 2
+    robot.inertia_tensors = [sp.zeros(3, 3)] * 2
+    robot.gravity = [0, sp.Rational(-981, 100), 0]
+    robot.joint_limits = [(-sp.pi, sp.pi), limits]
+    return robot
+
+
+def point_masses(*rows, name, masses):
+    """Masses at the origins of frames: M is singular where some motion leaves them at rest."""
+    robot = mr.Robot(*rows, name=name)
+    robot.masses, robot.cm_positions = masses, [[0, 0, 0]] * len(masses)
+    robot.inertia_tensors = [sp.zeros(3, 3)] * len(masses)
+    robot.gravity = [0, -10, 0]
+    return robot
+
+
+def upright():
+    """Joint 1 has nothing to turn where the arm stands up straight, along its axis."""
+    rows = (0, sp.pi / 2, 0, q1), (1, 0, 0, q2), (1, 0, 0, q3)
+    return point_masses(*rows, name="upright", masses=[1, 1, 1])
+
+
+def stretched():
+    """One mass, at the tip: no torques move it along the arm where that is straight."""
+    return point_masses((1, 0, 0, q1), (1, 0, 0, q2), name="stretched", masses=[0, 1])
+
+
+EVERYTHING = tuple(CHECKS)
+
+
+@pytest.mark.filterwarnings("error")
+def test_states_are_those_that_the_robot_can_be_in(folder):
+    robot = turn_and_slide((sp.Rational(1, 10), 1))
+    verification = mc.verify(mc.compile(robot, EVERYTHING, folder, "numpy"), robot)
+    assert verification.passed, verification.max_errors
+    assert len(verification.singular) == 0
+    lower, upper = np.array(robot.joint_limits, dtype=float).T
+    slid = verification.q[:, 1]
+    assert slid.min() == lower[1]
+    assert slid.max() == upper[1]
+    assert np.abs(verification.q[:, 0]).max() > 20  # no limits were set that keep it from turning
+    puma = mr.load("puma560")
+    puma.joint_limits = [(-1, 1), (1, 2), (-3, -2), (2, 8), (0.1, 0.2), (-4, 4)]
+    q = mc.verify(mc.compile(puma, directory=folder), puma).q
+    lower, upper = np.array(puma.joint_limits, dtype=float).T
+    assert ((lower <= q) & (q <= upper)).all()
+    quarters = np.abs(q % (np.pi / 2)) < 1e-9
+    assert quarters[-8:, [0, 1, 3, 5]].all()
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_singular_postures_inside_the_limits_are_named(backend, folder):
+    robot = turn_and_slide((-1, 1))
+    verification = mc.verify(mc.compile(robot, EVERYTHING, folder, backend), robot)
+    assert verification.passed, verification.max_errors
+    assert np.unique(verification.singular[:, 1]).tolist() == [0.0]
+    assert "M singular at q = (0, 0)" in repr(verification)
+    assert len(verification.errors["forward_dynamics"]) == len(verification.q) - 1
+    assert len(verification.errors["tau"]) == len(verification.q)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+@pytest.mark.parametrize("make", [upright, stretched])
+def test_huge_accelerations_are_not_taken_for_right_ones(make, dtype, folder):
+    """cos(pi/2) is 6e-17, not 0: M is not quite singular, and accelerations are 1e32."""
+    robot = make()
+    functions = ("forward_dynamics", "inertia_matrix")
+    kernel = mc.compile(robot, functions, folder, "numpy", dtype)
+    verification = mc.verify(kernel, robot, seed=2)
+    assert verification.passed, verification.max_errors
+    assert 0 < len(verification.singular) < 16
+    straight = verification.singular @ ([[0], [1], [0]] if make is upright else [[0], [1]])
+    assert np.abs((np.cos if make is upright else np.sin)(straight)).max() < 1e-6
+    kernel = mc.compile(robot, ("inertia_matrix",), folder, "numpy", dtype)
+    assert len(mc.verify(kernel, robot).singular) == 0  # nothing has to be inverted
+
+
+def test_nothing_is_verified_where_every_posture_is_singular(folder):
+    m = sp.Symbol("m")
+    robot = stretched()
+    robot.masses, robot.parameters = [1, m], {m: 0}
+    kernel = mc.compile(robot, ("forward_dynamics", "tau"), folder, "numpy")
+    verification = mc.verify(kernel, robot)
+    assert not verification.passed
+    assert np.isnan(verification.max_errors["forward_dynamics"])
+    assert verification.max_errors["tau"] < TOLERANCE
+    assert len(verification.singular) == len(verification.q)
+
+
+def test_near_singular_postures_are_judged_by_what_a_solver_can_do(folder):
+    """At condition numbers of 1e8 and more accelerations have few digits, their torques all."""
+    robot = stretched()
+    robot.joint_limits = [(-1, 1), (sp.Rational(1, 10**5), sp.Rational(1, 10**4))]
+    kernel = mc.compile(robot, ("forward_dynamics", "forward_dynamics_derivatives"), folder)
+    verification = mc.verify(kernel, robot)
+    assert verification.passed, verification.max_errors
+    assert len(verification.singular) == 0
+    robot.masses = [0, sp.Rational(1001, 1000)]
+    assert mc.verify(kernel, robot).max_errors["forward_dynamics"] > TOLERANCE
+
+
+# -- long arms, and others -----------------------------------------------------------------------
+
+
+def test_a_route_without_closed_forms_has_no_terms():
+    route = SymbolicRoute(mr.load("two_link"), time_limit=0)
+    assert route.terms is None
+    assert SymbolicRoute(mr.load("two_link")).terms > 10
+
+
+def test_states_are_left_out_when_time_is_short(folder, monkeypatch):
+    robot = mr.load("two_link")
+    monkeypatch.setattr(SymbolicRoute, "affordable", lambda *_: 5)
+    verification = mc.verify(mc.compile(robot, directory=folder), robot)
+    assert verification.passed
+    assert len(verification.q) == len(verification.errors["tau"]) == 5
+    assert verification.left_out == 79
+    assert "5 of 84 states" in repr(verification)
+
+
+def test_another_robot_gets_one_clear_message(folder):
+    kernel = mc.compile(mr.load("puma560"), directory=folder)
+    with pytest.raises(ValueError, match=r"puma560 has 6 joints, the robot two_link has 2"):
+        mc.verify(kernel, mr.load("two_link"))
+    robot = mr.load("two_link")
+    robot.name, robot.masses = "heavy", [1, sp.Symbol("m")]
+    kernel = mc.compile(robot, directory=folder)
+    with pytest.raises(ValueError, match=r"heavy takes m, which the robot two_link does not have"):
+        mc.verify(kernel, mr.load("two_link"))
