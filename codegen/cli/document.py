@@ -35,6 +35,8 @@ def document(outcome: Outcome) -> str:
             "largest_error": verification.max_error,
             "errors": verification.max_errors,
             "not_checked": list(verification.unchecked),
+            "states_left_out": verification.left_out,
+            "singular": verification.singular.tolist(),
         },
         "operations": kernel.ops,
         "times": {
