@@ -69,6 +69,7 @@ ARMS = {
     "stanford_arm": "Stanford arm",
     "puma560": "PUMA 560",
     "ur5": "UR5",
+    "ur5e": "UR5e",
     "panda": "Panda",
     "seven_axis": "seven axes,\nfull tensors",
 }

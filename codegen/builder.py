@@ -69,13 +69,17 @@ def compile(
     default in the user's cache folder, and built only once for the same robot, functions, compiler
     and processor. ``backend="numpy"`` needs no compiler; ``backend="cython"`` needs Cython and
     setuptools besides, and makes a package that can be installed without moro. With
-    ``dtype="float32"`` the functions compute in single precision, twice as many samples at once.
+    ``dtype="float32"`` (or "float", as C and the command say; NumPy's "float" is double) the
+    functions compute in single precision, twice as many samples at once.
     ``arch`` is the oldest processor that the kernel must run on, as the compiler's -march calls it
     (``x86-64-v3``), if it is not the one at hand. Raises ToolchainError for what is missing,
     ValueError for a function that does not exist or a robot whose name is no C identifier, and
     OSError for a folder in which nothing can be kept.
     """
     start = time.perf_counter()
+    if not isinstance(robot, Robot):
+        load = f": moro.load({robot!r})" if isinstance(robot, (str, os.PathLike)) else ""
+        raise TypeError(f"compile takes a Robot, found {type(robot).__name__}{load}")
     model = robot.model()
     reserved = {*dir(Kernel), *Kernel.__annotations__, *SYMBOLS}
     program = generate(model, requested(functions, robot, reserved), robot.parameters)
@@ -151,8 +155,10 @@ def _is_there(
 
 
 def _scalar(dtype: Any) -> Literal["double", "float"]:
-    """Return the type of C for a type of NumPy's."""
+    """Return the type of C for a type of NumPy's, or for its name in C."""
     scalars: dict[str, Literal["double", "float"]] = {"float64": "double", "float32": "float"}
+    if isinstance(dtype, str) and dtype in scalars.values():
+        return "float" if dtype == "float" else "double"  # the words of C and of the command
     with suppress(TypeError, KeyError):
         return scalars[np.dtype(dtype).name]
     raise ValueError(f'dtype must be "float64" or "float32", not {dtype!r}')

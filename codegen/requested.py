@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Collection, Sequence
 from typing import TypeAlias
 
+from moro.meant import hint
 from moro.robot import Robot
 from moro_codegen.expressions import UserFunction
 from moro_codegen.functions import FUNCTIONS, KNOWN, REGRESSOR, Function
@@ -54,9 +54,7 @@ def requested(
 def named(name: str, robot: Robot) -> Function:
     """Return the function of a name. Raise ValueError, with the nearest name, if there is none."""
     if name not in KNOWN:
-        near = difflib.get_close_matches(name, KNOWN, n=1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        raise ValueError(f"no function {name!r}; {hint}there are {', '.join(KNOWN)}")
+        raise ValueError(f"no function {name!r}; {hint(name, KNOWN)}there are {', '.join(KNOWN)}")
     return Regressor().entry(robot) if name == REGRESSOR.name else FUNCTIONS[name]
 
 

@@ -43,7 +43,11 @@ def singular(model: Model, joints: Sequence[int] = ()) -> ValueError:
     where = "some joint" if not joints else f"joint {joints[0]}"
     if len(joints) > 1:
         where = f"a motion of the joints {', '.join(map(str, joints))}"
-    return ValueError(f"{model.name} has no forward dynamics: no inertia resists {where}")
+    links = "those links" if len(joints) > 1 else "that link"
+    return ValueError(
+        f"{model.name} has no forward dynamics: no inertia resists {where}; give {links} an "
+        "inertia tensor (inertia), or the drive a rotor inertia (rotor_inertia)"
+    )
 
 
 def _number(x: Scalar) -> float:

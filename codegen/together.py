@@ -20,8 +20,11 @@ def together(functions: Sequence[Function]) -> Function:
     Raises ValueError for fewer than two functions, or the same one twice.
     """
     names = [function.name for function in functions]
-    if len(set(names)) < max(2, len(names)):
-        raise ValueError(f"together takes two or more different functions, not {tuple(names)}")
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise ValueError(f"{twice[0]} is asked for twice in {'+'.join(names)}")
+    if len(names) < 2:
+        asked = f"only {names[0]}" if names else "none"
+        raise ValueError(f"a tuple of functions is for two or more in one call, found {asked}")
     inputs = _inputs(functions)
 
     def build(system: System, *given: Sequence[Node]) -> list[Sequence[Node]]:

@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import operator
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence, Set
-from difflib import get_close_matches
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from typing import Any
 
 import numpy as np
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from moro import constants
 from moro.abc import t
+from moro.meant import meant
+from moro.tensors import ENTRIES, FORMS, Rows, entry_name, listed, rows_of
 
 _NOT_A_NUMBER = (str, bytes, bool, np.bool_, sp.MatrixBase, sp.NDimArray)
 
@@ -49,11 +51,32 @@ def name(text: Any, what: str) -> str:
 def scalar(value: Any, what: str) -> Any:
     """Return a real number or an expression as an exact SymPy value."""
     expr = _expression(value, what)
-    if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo, sp.AccumBounds):
-        raise ValueError(f"{what} must be finite, not {value}")
+    if _is_infinite(expr):
+        raise ValueError(f"{what} must be finite, not {_cut(str(value))}")
     if isinstance(value, (complex, np.complexfloating)) or expr.has(sp.I) or expr.is_real is False:
-        raise ValueError(f"{what} must be real, not {value}")
-    return exact(expr)
+        raise ValueError(f"{what} must be real, not {_cut(str(value))}")
+    expr = constants.settled(exact(expr))
+    if _is_infinite(expr):
+        raise ValueError(f"{what} must be finite, not {_cut(str(value))}")
+    if expr.is_number and not constants.numeric(expr).is_Number:
+        raise ValueError(
+            f"{what} must be a real number that can be evaluated, not {_cut(str(value))}"
+        )
+    if not constants.is_sane(expr):
+        raise ValueError(f"{what} must be 0 or within {constants.RANGE} in size, {_found(expr)}")
+    return expr
+
+
+def _is_infinite(expr: Any) -> bool:
+    return bool(expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo, sp.AccumBounds))
+
+
+def _found(expr: Any) -> str:
+    """Say how large a number is that is too long to be written out."""
+    if not expr.is_number:
+        return f"not {_cut(str(expr))}"
+    size = constants.numeric(abs(expr))
+    return f"not about 1e{int(sp.floor(sp.log(size, 10).evalf()))}"
 
 
 def _expression(value: Any, what: str) -> Any:
@@ -92,7 +115,7 @@ def constant(value: Any, what: str, variables: Iterable[Any]) -> Any:
 def not_negative(value: Any, what: str, variables: Iterable[Any]) -> Any:
     """Return a constant that is not known to be negative."""
     expr = constant(value, what, variables)
-    if expr.is_negative:
+    if constants.is_negative(expr):
         raise ValueError(f"{what} must not be negative, not {expr}")
     return expr
 
@@ -153,7 +176,8 @@ def groups(values: Any, n: int, what: str, of: str = "link") -> list[Any]:
 
     They come from a list, or from the rows of a matrix.
     """
-    return _counted(values.tolist() if _is_matrix(values) else values, n, what, of)
+    items = _counted(values.tolist() if _is_matrix(values) else values, n, what, of)
+    return [list(x) if isinstance(x, Iterator) else x for x in items]
 
 
 def _counted(values: Any, n: int, what: str, of: str) -> list[Any]:
@@ -185,33 +209,86 @@ def _row_or_column(values: Any, what: str) -> Any:
     return [values[i, j] for i in range(shape[0]) for j in range(shape[1])]
 
 
-def vector(values: Any, what: str, variables: Iterable[Any] = ()) -> tuple[Any, ...]:
-    """Return three components as exact SymPy values."""
+def components(values: Any, what: str) -> list[Any]:
+    """Return three components, unchecked, from a list or from a row or column."""
     items = sequence(_row_or_column(values, what), what)
     if len(items) != 3:
         raise ValueError(f"{what} must have 3 components, not {len(items)}")
+    return items
+
+
+def vector(values: Any, what: str, variables: Iterable[Any] = ()) -> tuple[Any, ...]:
+    """Return three components as exact SymPy values."""
+    items = components(values, what)
     return tuple(constant(x, f"component {i} of {what}", variables) for i, x in enumerate(items, 1))
 
 
-def tensor(values: Any, what: str, variables: Iterable[Any] = ()) -> tuple[tuple[Any, ...], ...]:
-    """Return a symmetric 3 x 3 tensor as exact SymPy values."""
-    rows = _three(values.tolist() if hasattr(values, "tolist") else values)
+def tensor(values: Any, what: str, variables: Iterable[Any] = ()) -> Rows:
+    """Return a symmetric 3 x 3 tensor, in any of the forms of ``moro.tensors``, as exact values."""
+    if isinstance(values, Mapping):
+        return _named_tensor(values, what, variables)
+    items = values.tolist() if hasattr(values, "tolist") else values
+    if entries := _flat_entries(items):
+        names = ENTRIES[: len(entries)]
+        return listed(
+            [
+                constant(x, f"I{name} of {what}", variables)
+                for name, x in zip(names, entries, strict=True)
+            ]
+        )
+    rows = _three(items)
     rows = rows and [_three(row) for row in rows]
     if not rows or not all(rows):
-        raise ValueError(f"{what} must be a 3 x 3 matrix, not {brief(values)}")
+        raise ValueError(f"{what} must be a 3 x 3 matrix, or {FORMS}, not {brief(values)}")
     I = [
         [constant(x, f"entry {i},{j} of {what}", variables) for j, x in enumerate(row, 1)]
         for i, row in enumerate(rows, 1)
     ]
-    for i in range(3):
-        for j in range(i):
-            if not _equal(I[i][j], I[j][i]):
-                raise ValueError(
-                    f"{what} must be symmetric: entry {j + 1},{i + 1} is {I[j][i]}, "
-                    f"entry {i + 1},{j + 1} is {I[i][j]}"
-                )
-            I[i][j] = I[j][i]
-    return tuple(tuple(row) for row in I)
+    if found := asymmetry(I):
+        raise ValueError(f"{what} must be symmetric: {found}")
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = I
+    return ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+
+
+def _named_tensor(values: Mapping[Any, Any], what: str, variables: Iterable[Any]) -> Rows:
+    """Return the tensor of {"xx": .., "yy": .., ..}."""
+    found: dict[str, Any] = {}
+    for key, value in values.items():
+        name = entry_name(str(key))
+        if name not in ENTRIES:
+            known = ", ".join(ENTRIES)
+            raise ValueError(f"{what} has an entry {key}; its entries are {known}")
+        if name in found:
+            raise ValueError(f"{what} gives {name} twice")
+        found[name] = constant(value, f"I{name} of {what}", variables)
+    if missing := [name for name in ENTRIES[:3] if name not in found]:
+        raise ValueError(f"{what} has no {' and no '.join(missing)}")
+    return rows_of({name: found.get(name, sp.Integer(0)) for name in ENTRIES})
+
+
+def _flat_entries(values: Any) -> list[Any] | None:
+    """Return three or six scalars; None for anything else, rows say."""
+    try:
+        items = sequence(values, "")
+    except (TypeError, ValueError):
+        return None
+    if len(items) not in (3, 6) or any(isinstance(x, _MANY) for x in items):
+        return None
+    return items
+
+
+_MANY = (Sequence, np.ndarray, sp.MatrixBase, sp.NDimArray, sp.Tuple, Mapping, Set)
+
+
+def asymmetry(rows: Sequence[Sequence[Any]]) -> str | None:
+    """Say where a 3 x 3 matrix is not symmetric, to rounding."""
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        upper, lower = rows[i][j], rows[j][i]
+        if not _equal(upper, lower):
+            return (
+                f"entry {i + 1},{j + 1} is {shown(upper)}, entry {j + 1},{i + 1} is {shown(lower)}"
+            )
+    return None
 
 
 def matrix(values: Any, what: str) -> Any:
@@ -233,12 +310,18 @@ def limits(pair: Any, what: str) -> tuple[Any, Any]:
     return lower, upper
 
 
-def both_directions(value: Any, what: str, variables: Iterable[Any]) -> tuple[Any, Any]:
-    """Return (forward, backward) from such a pair or from one value for both."""
+def directions(value: Any, what: str) -> list[Any]:
+    """Return [forward, backward], unchecked, from such a pair or from one value for both."""
     many = isinstance(value, (Iterable, sp.MatrixBase)) and not isinstance(value, (str, bytes))
     pair = sequence(value, what) if many and getattr(value, "shape", None) != () else [value] * 2
     if len(pair) != 2:
         raise ValueError(f"{what} must be one value or (forward, backward), not {brief(value)}")
+    return pair
+
+
+def both_directions(value: Any, what: str, variables: Iterable[Any]) -> tuple[Any, Any]:
+    """Return (forward, backward) from such a pair or from one value for both."""
+    pair = directions(value, what)
     forward, backward = (not_negative(x, what, variables) for x in pair)
     return forward, backward
 
@@ -253,12 +336,10 @@ def _three(values: Any) -> list[Any] | None:
 
 def _equal(x: Any, y: Any) -> bool:
     """Equal as expressions; as numbers, to rounding."""
+    if x.is_number and y.is_number:
+        return bool(abs(x - y) <= sp.Rational("1e-12") * max(abs(x), abs(y)))
     difference = sp.expand(x - y)
-    if difference == 0:
-        return True
-    if difference.is_number:
-        return bool(abs(difference) <= 1e-12 * max(abs(x), abs(y)))
-    return bool(sp.simplify(difference) == 0)
+    return bool(difference == 0 or (not difference.is_number and sp.simplify(difference) == 0))
 
 
 def has_float(value: Any) -> bool:
@@ -269,6 +350,8 @@ def has_float(value: Any) -> bool:
         return True
     if isinstance(value, np.ndarray) and value.dtype != object:
         return bool(value.dtype.kind == "f")
+    if isinstance(value, Mapping):
+        return has_float(tuple(value.values()))
     if isinstance(value, (sp.MatrixBase, Sequence, np.ndarray)):
         return not isinstance(value, (str, bytes)) and any(map(has_float, value))
     return False
@@ -287,11 +370,19 @@ def distinct_names(symbols: Iterable[Any]) -> None:
 # -- words for messages ---------------------------------------------------------------------------
 
 
+def shown(value: Any) -> str:
+    """Return a number as a message shows it: a decimal if it came as one."""
+    return repr(float(value)).removesuffix(".0") if value.is_Rational else str(value)
+
+
 def brief(value: Any) -> str:
     """Return a value as a message shows it: in one line, not too long, or by its shape."""
     if _is_matrix(value) or (isinstance(value, np.ndarray) and value.ndim):
         return f"{_ARTICLES[_is_matrix(value)]} of shape {' x '.join(map(str, value.shape))}"
-    text = " ".join(repr(value).split())
+    return _cut(" ".join(repr(value).split()))
+
+
+def _cut(text: str) -> str:
     return text if len(text) <= _LONG else text[: _LONG - 3] + "..."
 
 
@@ -300,10 +391,9 @@ _LONG = 80
 
 
 def suggestion(word: Any, known: Iterable[str]) -> str:
-    """Return '; did you mean "..."?' for the nearest known word, or nothing."""
-    by_lower = {name.lower(): name for name in known}
-    near = get_close_matches(word.lower(), by_lower, n=1) if isinstance(word, str) else ()
-    return f'; did you mean "{by_lower[near[0]]}"?' if near else ""
+    """Return '; did you mean "..."?' for the known word that is meant, or nothing."""
+    name = meant(word, known) if isinstance(word, str) else None
+    return f'; did you mean "{name}"?' if name else ""
 
 
 def _is_matrix(value: Any) -> bool:

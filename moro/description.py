@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal, TypeVar
 
 import sympy as sp
 
-from moro import checks
+from moro import checks, given
 from moro.abc import t
+from moro.callers import outside
 from moro.closed_form import Arm
 from moro.from_dh import model_from_dh
+from moro.meant import elsewhere, meant
 from moro.model import Model
 from moro.notation import Notation
 from moro.plain import natural, prefers_decimals
+from moro.plausibility import LinkData, Remark, is_unremarked, remarks, unremarked
 from moro.rows import given_rows, read_convention, read_rows
 from moro.tables import Table
 
@@ -27,11 +30,22 @@ _Self = TypeVar("_Self", bound="Description")
 class Description:
     """The data of an arm, checked as they are set. ``Robot`` says what follows from them."""
 
-    def __init__(self, *rows: Any, convention: Literal["dh", "mdh"] = "dh", name: str = "robot"):
+    def __init__(
+        self,
+        *rows: Any,
+        convention: Literal["dh", "mdh"] = "dh",
+        name: str = "robot",
+        **others: Any,
+    ):
+        if others:
+            raise TypeError(_not_taken(next(iter(others))))
         self.name = name
         self._convention = read_convention(convention)
         self._rows_as_given = given_rows(rows)
         self._rows = read_rows(self._rows_as_given)
+        #: what was set, as it was given; the fields below hold it in exact values
+        self._given: dict[str, Any] = {}
+        self._remarked: dict[Remark, None] = {}
         self._masses: tuple[Any, ...] | None = None
         self._cm_positions: tuple[tuple[Any, ...], ...] | None = None
         self._inertia_tensors: tuple[tuple[tuple[Any, ...], ...], ...] | None = None
@@ -47,6 +61,7 @@ class Description:
         if checks.has_float(self._rows_as_given):
             self._with_floats.add("rows")
         self._forget()
+        self._remark()
 
     @property
     def name(self) -> str:
@@ -110,46 +125,46 @@ class Description:
         Set None instead of all pairs, or of one, where there are none.
         """
         assumed = [_REVOLUTE_LIMITS if x == "r" else _PRISMATIC_LIMITS for x in self.joint_types]
-        given = self._joint_limits or [None] * self.dof
-        return [own or other for own, other in zip(given, assumed, strict=True)]
+        limits = self._given.get("joint_limits") or [None] * self.dof
+        return [own or other for own, other in zip(limits, assumed, strict=True)]
 
     @joint_limits.setter
     def joint_limits(self, limits: Any) -> None:
         if limits is None:
-            self._joint_limits = None
+            self._set("joint_limits", None, None)
             return
-        pairs = checks.groups(limits, self.dof, "joint_limits", of="joint")
-        self._joint_limits = tuple(
+        limits = checks.groups(limits, self.dof, "joint_limits", of="joint")
+        new = tuple(
             None if pair is None else checks.limits(pair, f"limits of joint {i}")
-            for i, pair in enumerate(pairs, 1)
+            for i, pair in enumerate(limits, 1)
         )
+        self._set("joint_limits", new, given.pairs(limits, checks.sequence))
 
     @property
     def masses(self) -> list[Any] | None:
         """m_1..m_n [kg]; None if not set. Setting None makes them the symbols m_1..m_n."""
-        return None if self._masses is None else list(self._masses)
+        return self._as_given("masses")
 
     @masses.setter
     def masses(self, values: Any) -> None:
         if values is None:
-            new = tuple(sp.Symbol(f"m_{i}") for i in range(1, self.dof + 1))
-        else:
-            values = checks.scalars(values, self.dof, "masses")
-            new = tuple(
-                checks.not_negative(m, f"m_{i} of masses", self.qs) for i, m in enumerate(values, 1)
-            )
-        self._set("masses", new, values)
+            self._assume("masses", tuple(sp.Symbol(f"m_{i}") for i in range(1, self.dof + 1)))
+            return
+        values = checks.scalars(values, self.dof, "masses")
+        new = tuple(
+            checks.not_negative(m, f"m_{i} of masses", self.qs) for i, m in enumerate(values, 1)
+        )
+        self._set("masses", new, given.scalars(values))
 
     def m(self, i: int) -> Any:
         """Mass m_i of link i [kg]."""
-        return self._needed("masses")[self._link(i)]
+        self._needed("masses")
+        return self._given["masses"][self._link(i)]
 
     @property
     def cm_positions(self) -> list[sp.Matrix] | None:
         """Centres of mass r_Ci, in frame i [m]; None if not set."""
-        if self._cm_positions is None:
-            return None
-        return [sp.Matrix(r) for r in self._cm_positions]
+        return self._as_given("cm_positions", sp.Matrix)
 
     @cm_positions.setter
     def cm_positions(self, values: Any) -> None:
@@ -159,7 +174,7 @@ class Description:
         new = tuple(
             checks.vector(r, f"cm_positions of link {i}", self.qs) for i, r in enumerate(values, 1)
         )
-        self._set("cm_positions", new, values)
+        self._set("cm_positions", new, given.vectors(values))
 
     @property
     def inertia_tensors(self) -> list[sp.Matrix] | None:
@@ -167,41 +182,42 @@ class Description:
 
         None if not set. Setting None makes them diagonal, diag(I_{x_ix_i}, I_{y_iy_i}, I_{z_iz_i}).
         """
-        if self._inertia_tensors is None:
-            return None
-        return [sp.Matrix(I) for I in self._inertia_tensors]
+        return self._as_given("inertia_tensors", sp.Matrix)
 
     @inertia_tensors.setter
     def inertia_tensors(self, values: Any) -> None:
         if values is None:
-            new = tuple(_diagonal(i) for i in range(1, self.dof + 1))
-        else:
-            values = checks.groups(values, self.dof, "inertia_tensors")
-            new = tuple(
-                checks.tensor(I, f"inertia tensor of link {i}", self.qs)
-                for i, I in enumerate(values, 1)
-            )
-        self._set("inertia_tensors", new, values)
+            self._assume("inertia_tensors", tuple(_diagonal(i) for i in range(1, self.dof + 1)))
+            return
+        values = checks.groups(values, self.dof, "inertia_tensors")
+        new = tuple(
+            checks.tensor(I, f"inertia tensor of link {i}", self.qs)
+            for i, I in enumerate(values, 1)
+        )
+        self._set("inertia_tensors", new, tuple(given.tensor(I) for I in values))
 
     def I_cm(self, i: int) -> sp.Matrix:
         """Inertia tensor I_Ci of link i about its centre of mass, in axes of frame i [kg m^2]."""
-        return sp.Matrix(self._needed("inertia_tensors")[self._link(i)])
+        self._needed("inertia_tensors")
+        return sp.Matrix(self._given["inertia_tensors"][self._link(i)])
 
     @property
     def gravity(self) -> sp.Matrix | None:
         """Gravitational acceleration, in frame 0 [m/s^2]; None if not set."""
-        return None if self._gravity is None else sp.Matrix(self._gravity)
+        return None if self._gravity is None else sp.Matrix(self._given["gravity"])
 
     @gravity.setter
     def gravity(self, value: Any) -> None:
         if value is None:
             raise ValueError("gravity is never assumed: give [x, y, z] in frame 0, [0, 0, -g] say")
-        self._set("gravity", checks.vector(value, "gravity", self.qs), value)
+        components = checks.components(value, "gravity")
+        new = checks.vector(components, "gravity", self.qs)
+        self._set("gravity", new, given.scalars(components))
 
     @property
     def rotor_inertias(self) -> list[Any] | None:
         """Rotor inertias, link side, on M's diagonal [kg m^2 or kg]; None means none."""
-        return None if self._rotor_inertias is None else list(self._rotor_inertias)
+        return self._as_given("rotor_inertias")
 
     @rotor_inertias.setter
     def rotor_inertias(self, values: Any) -> None:
@@ -210,7 +226,7 @@ class Description:
     @property
     def viscous_friction(self) -> list[Any] | None:
         """Viscous friction coefficients [N m s/rad or N s/m]; None means none."""
-        return None if self._viscous_friction is None else list(self._viscous_friction)
+        return self._as_given("viscous_friction")
 
     @viscous_friction.setter
     def viscous_friction(self, values: Any) -> None:
@@ -219,7 +235,7 @@ class Description:
     @property
     def coulomb_friction(self) -> list[tuple[Any, Any]] | None:
         """Coulomb friction for (qd > 0, qd < 0), as magnitudes [N m or N]; None means none."""
-        return None if self._coulomb_friction is None else list(self._coulomb_friction)
+        return self._as_given("coulomb_friction")
 
     @coulomb_friction.setter
     def coulomb_friction(self, values: Any) -> None:
@@ -231,7 +247,7 @@ class Description:
             checks.both_directions(x, f"coulomb_friction of joint {i}", self.qs)
             for i, x in enumerate(values, 1)
         )
-        self._set("coulomb_friction", new, values)
+        self._set("coulomb_friction", new, given.pairs(values, checks.directions))
 
     @property
     def parameters(self) -> dict[Any, Any]:
@@ -354,24 +370,56 @@ class Description:
         return Notation(self.qs, self.parameters, decimals=decimals)
 
     def _set(self, name: str, new: Any, given: Any) -> None:
+        """Set a quantity, in exact values and as it was given."""
         setattr(self, f"_{name}", new)
+        self._given[name] = given
         self._assumed.discard(name)
         self._with_floats.discard(name)
-        if given is None and new is not None:
-            self._assumed.add(name)
-        elif checks.has_float(given):
+        if name != "joint_limits" and checks.has_float(given):  # no result depends on limits
             self._with_floats.add(name)
         self._forget()
+        self._remark()
+
+    def _assume(self, name: str, symbols: Any) -> None:
+        self._set(name, symbols, symbols)
+        self._assumed.add(name)
+
+    def _as_given(self, name: str, form: Callable[[Any], Any] = lambda x: x) -> list[Any] | None:
+        values = self._given.get(name)
+        return None if values is None else [form(x) for x in values]
 
     def _set_joint_constants(self, name: str, values: Any) -> None:
-        new = None
-        if values is not None:
-            values = checks.scalars(values, self.dof, name, of="joint")
-            new = tuple(
-                checks.not_negative(x, f"{name} of joint {i}", self.qs)
-                for i, x in enumerate(values, 1)
-            )
-        self._set(name, new, values)
+        if values is None:
+            self._set(name, None, None)
+            return
+        values = checks.scalars(values, self.dof, name, of="joint")
+        new = tuple(
+            checks.not_negative(x, f"{name} of joint {i}", self.qs) for i, x in enumerate(values, 1)
+        )
+        self._set(name, new, given.scalars(values))
+
+    def _remark(self) -> None:
+        """Warn of what is probably not meant, when it comes up."""
+        found = dict.fromkeys(remarks(self._link_data(), self._gravity))
+        for remark in found:
+            if remark not in self._remarked and not is_unremarked():
+                text = f"{_place(remark)}: {remark.message}"
+                warnings.warn(text, UserWarning, stacklevel=outside())
+        self._remarked = found
+
+    def _link_data(self) -> list[LinkData]:
+        nothing = (None,) * self.dof
+        columns = (
+            self._rows,
+            self._masses or nothing,
+            self._cm_positions or nothing,
+            self._inertia_tensors or nothing,
+            self._joint_limits or nothing,
+        )
+        return [
+            LinkData(row.kind == "r", row.a, row.alpha, row.d, row.theta, *rest)
+            for row, *rest in zip(*columns, strict=True)
+        ]
 
     def _needed(self, *names: str) -> Any:
         """Return the last of these quantities; ValueError says how to set one that is missing."""
@@ -398,20 +446,20 @@ class Description:
     def _substituted(self: _Self, values: Mapping[Any, Any]) -> _Self:
         def put(x: Any) -> Any:
             if isinstance(x, tuple):
-                return tuple(put(item) for item in x)
+                return type(x)(put(item) for item in x)
             return x.xreplace(values) if isinstance(x, sp.Basic) else x
 
-        rows = []
-        for row in self._rows:
-            a, alpha, d, theta = map(put, (row.a, row.alpha, row.d, row.theta))
-            turning = row.kind == "r"
-            theta, d = (theta + row.variable, d) if turning else (theta, d + row.variable)
-            rows.append((a, alpha, d, theta, row.kind))
-        robot = type(self)(*rows, convention=self._convention, name=self.name)
-        for name in _QUANTITIES:
-            value = getattr(self, f"_{name}")
-            if value is not None:
-                setattr(robot, name, put(value))
+        with unremarked():
+            rows = [
+                (*map(put, row[:4]), kind)
+                for row, kind in zip(self.dh_parameters, self.joint_types, strict=True)
+            ]
+            robot = type(self)(*rows, convention=self._convention, name=self.name)
+            for name, value in self._given.items():
+                if value is not None:
+                    setattr(robot, name, put(value))
+        robot._remarked = self._remarked
+        robot._remark()
         robot._assumed = set(self._assumed)
         robot._defaults = {s: x for s, x in self._defaults.items() if s not in values}
         robot._declared = self._declared - set(values)
@@ -420,7 +468,9 @@ class Description:
 
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and not hasattr(type(self), name):
-            near = checks.suggestion(name, (x for x in dir(type(self)) if not x.startswith("_")))
+            there = (x for x in dir(type(self)) if not x.startswith("_"))
+            advice = elsewhere(name)
+            near = f"; {advice}" if advice else checks.suggestion(name, there)
             raise AttributeError(f"a Robot has no {name}{near}")
         super().__setattr__(name, value)
 
@@ -445,6 +495,16 @@ class Description:
         return checks.index(i, 0, self.dof, "frame")
 
 
+#: where a remark is about, in the words of this class
+_PLACES = {
+    **{name: f"{name} of row {{link}}" for name in ("a", "alpha", "d", "theta")},
+    "mass": "masses",
+    "com": "cm_positions of link {link}",
+    "inertia": "inertia tensor of link {link}",
+    "limits": "limits of joint {link}",
+    "gravity": "gravity",
+}
+
 #: what can be set, and how
 _QUANTITIES = {
     "masses": "robot.masses = [m1, ...], or None for symbols m_1, m_2, ...",
@@ -456,6 +516,18 @@ _QUANTITIES = {
     "coulomb_friction": "none; robot.coulomb_friction = [value or (forward, backward), ...]",
     "joint_limits": "robot.joint_limits = [(lower, upper), ...]",
 }
+
+
+def _not_taken(name: str) -> str:
+    """Say what to do with a keyword that ``Robot`` does not take."""
+    found = meant(name, _QUANTITIES)
+    hint = f"; set it afterwards: {_QUANTITIES[found].removeprefix('none; ')}" if found else ""
+    return f"Robot takes rows, convention= and name=, not {name}={hint}"
+
+
+def _place(remark: Remark) -> str:
+    number = 0 if remark.link is None else remark.link + 1
+    return _PLACES[remark.field].format(link=number)
 
 
 def _diagonal(i: int) -> tuple[tuple[Any, ...], ...]:

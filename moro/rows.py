@@ -20,7 +20,7 @@ _KINDS: dict[str, Literal["r", "p"]] = {
 }
 
 #: what the conventions are called, and what is meant
-_CONVENTIONS: dict[str, Literal["dh", "mdh"]] = {
+CONVENTIONS: dict[str, Literal["dh", "mdh"]] = {
     "dh": "dh",
     "mdh": "mdh",
     "standard": "dh",
@@ -38,8 +38,8 @@ def read_convention(text: Any) -> Literal["dh", "mdh"]:
     """Return the convention, "dh" or "mdh"; ValueError says which was meant."""
     word = text.strip().lower() if isinstance(text, str) else ""
     if word in ("dh", "mdh"):
-        return _CONVENTIONS[word]
-    meant = _CONVENTIONS.get(word)
+        return CONVENTIONS[word]
+    meant = CONVENTIONS.get(word)
     near = f'; did you mean "{meant}"?' if meant else checks.suggestion(word, ("dh", "mdh"))
     raise ValueError(
         f'convention must be "dh" (standard) or "mdh" (modified), not {checks.brief(text)}{near}'
@@ -113,6 +113,12 @@ def _split(expr: Any, what: str) -> tuple[Any, Any]:
     offset = sp.expand(expr - rate * variable)
     if offset.has(variable) or not rate.is_number:
         raise ValueError(f"{what} must be a joint variable plus a constant, not {expr}")
+    if rate == -1:
+        raise ValueError(
+            f"{what} is {expr}: a joint variable must stand there with factor 1, not -1. Write "
+            f"{variable + offset}, and the joint counts the other way: its positions, velocities, "
+            "torques and limits change their sign"
+        )
     if rate != 1:
         raise ValueError(
             f"{what} is {expr}: a joint variable must stand there once, with factor 1, not {rate}; "
@@ -127,7 +133,8 @@ def _variable(expr: Any, what: str) -> Any:
     if not candidates:
         raise ValueError(
             f"{what} is {expr}, a number: the joint variable must stand there, "
-            "q1 of moro.abc, say (a fixed row belongs to its neighbours)"
+            "q1 of moro.abc, say. A fixed row, of a tool say, is no joint: add its lengths to the "
+            "row before where the axes agree (a to a, d to d), or multiply robot.T by its matrix"
         )
     if len(candidates) > 1:
         names = ", ".join(map(str, candidates))

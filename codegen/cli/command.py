@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import sys
 import textwrap
 from collections.abc import Iterable
@@ -12,6 +11,7 @@ from typing import Any
 import click
 
 from moro.io import packaged
+from moro.meant import hint
 from moro_codegen import FUNCTIONS
 from moro_codegen.cli.given import read
 from moro_codegen.installation import versions
@@ -21,6 +21,8 @@ from moro_codegen.toolchain import ToolchainError
 EXPECTED = (ValueError, TypeError, OSError, ToolchainError)
 #: columns of --help
 WIDTH = 78
+#: what NumPy calls the scalar types
+NUMPY_NAMES = {"float64": "double", "float32": "float"}
 LANGUAGES = ("c", "cython", "python")
 
 
@@ -62,9 +64,8 @@ class _Names(click.ParamType):  # type: ignore[type-arg]
         names = [item.split("+") if self.joined else [item] for item in items]
         for name in (name for group in names for name in group):
             if name not in self.there:
-                near = difflib.get_close_matches(name, self.there, n=1)
-                hint = f"did you mean {near[0]!r}? " if near else ""
-                self.fail(f"no {name!r}; {hint}there are {', '.join(self.there)}.", param, ctx)
+                known = ", ".join(self.there)
+                self.fail(f"no {name!r}; {hint(name, self.there)}there are {known}.", param, ctx)
         if not names:
             self.fail(f"none given; there are {', '.join(self.there)}.", param, ctx)
         return tuple(tuple(group) if len(group) > 1 else group[0] for group in names)
@@ -74,6 +75,16 @@ def _print_versions(context: click.Context, _: click.Parameter, asked: bool) -> 
     if asked:
         click.echo(versions())
         context.exit()
+
+
+class _Scalar(click.Choice):  # type: ignore[type-arg]
+    """double or float; the names of NumPy's types are read too."""
+
+    def __init__(self) -> None:
+        super().__init__(["double", "float"])
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        return super().convert(NUMPY_NAMES.get(str(value), value), param, ctx)
 
 
 @click.command(
@@ -106,7 +117,7 @@ def _print_versions(context: click.Context, _: click.Parameter, asked: bool) -> 
 )
 @click.option(
     "--scalar",
-    type=click.Choice(["double", "float"]),
+    type=_Scalar(),
     default="double",
     show_default=True,
     help="What the kernel computes with; float is single precision, not with cython.",
@@ -199,4 +210,4 @@ def _clear_cache(context: click.Context) -> None:
 def _message(error: Exception) -> str:
     if isinstance(error, OSError) and error.filename:
         return f"{error.filename}: {error.strerror}"
-    return str(error)
+    return str(error).replace('backend="numpy"', "--backend numpy")  # as it is said here

@@ -38,6 +38,7 @@ from moro_codegen.emit.statements import (
     body,
     literal,
 )
+from moro_codegen.emit.words import MACROS, TYPES
 
 if TYPE_CHECKING:
     from moro_codegen.functions import Argument
@@ -62,7 +63,8 @@ _WORDS = """
     pack2 pack4 pack8 pack16 bits2 bits4 bits8 bits16 memory2 memory4 memory8 memory16 lane_memory
     l parameters count
     """.split()  # noqa: SIM905
-RESERVED = frozenset([*_WORDS, *(f"{word}f" for word in _WORDS)])  # sinf is the sine of a float
+#: and what its headers do; sinf is the sine of a float
+RESERVED = MACROS | TYPES | {*_WORDS, *(f"{word}f" for word in _WORDS)}
 
 #: what the templates say of a scalar type: angles to try the sines and cosines with, and how much
 #: these may differ from libm's; for sines and cosines, pi/2 in parts, a number whose sum

@@ -52,7 +52,13 @@ def locate(source: str | os.PathLike[str]) -> Path:
             f" (packaged are {', '.join(arms)})"
         )
         raise RobotFileError(source, [Problem(None, "", message)])
-    return Path(source)
+    try:
+        return Path(source)
+    except TypeError:
+        raise TypeError(
+            "load takes the path of a robot file or the name of a packaged arm, not"
+            f" {type(source).__name__}"
+        ) from None
 
 
 def packaged() -> tuple[str, ...]:

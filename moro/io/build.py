@@ -7,12 +7,18 @@ from typing import Any
 import sympy
 
 from ..abc import joint_variable
+from ..plausibility import unremarked
 from ..robot import Robot
 from .schema import Friction, Link, RobotFile
 
 
 def robot(file: RobotFile) -> Robot:
     """Return the Robot that ``file`` describes. What the file leaves out is not set."""
+    with unremarked():
+        return _robot(file)
+
+
+def _robot(file: RobotFile) -> Robot:
     rows = [_row(link, joint_variable(i)) for i, link in enumerate(file.links, start=1)]
     robot = Robot(*rows, convention=file.convention, name=file.name)
     links = file.links
@@ -21,7 +27,7 @@ def robot(file: RobotFile) -> Robot:
     if links[0].mass is not None:  # one has it: all have mass, com and inertia
         robot.masses = [link.mass for link in links]
         robot.cm_positions = [link.com for link in links]
-        robot.inertia_tensors = [sympy.Matrix(link.inertia) for link in links]
+        robot.inertia_tensors = [link.inertia for link in links]
     if any(link.rotor_inertia is not None for link in links):
         robot.rotor_inertias = [link.rotor_inertia or sympy.Integer(0) for link in links]
     if any(link.friction is not None for link in links):

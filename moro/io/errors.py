@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 from typing import NamedTuple
+
+from ..meant import meant
 
 #: how many problems ``str(error)`` lists; ``error.problems`` has all of them
 _LISTED = 20
@@ -46,7 +47,6 @@ class RobotFileWarning(UserWarning):
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """Return ``"; did you mean `x`?"`` for the known word closest to ``word``, else nothing."""
-    by_lower = {name.lower(): name for name in known}
-    close = difflib.get_close_matches(word.lower(), by_lower, n=1)
-    return f"; did you mean `{by_lower[close[0]]}`?" if close else ""
+    """Return ``"; did you mean `x`?"`` for the known word that is meant, else nothing."""
+    name = meant(word, known)
+    return f"; did you mean `{name}`?" if name else ""

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple, NoReturn, TypeAlias
 
 import sympy
 
+from ..constants import MAX_MAGNITUDE, RANGE, is_sane, is_zero, numeric
 from .errors import nearest
 
 Expr: TypeAlias = Any
@@ -29,8 +30,6 @@ MAX_LENGTH = 1000
 MAX_DEPTH = 30
 #: size of an exponent, and of its denominator
 MAX_EXPONENT = 32
-#: a constant other than 0 lies between 10**-MAX_MAGNITUDE and 10**MAX_MAGNITUDE in size
-MAX_MAGNITUDE = 300
 #: size of a constant angle in sin, cos and tan
 MAX_ANGLE = 1_000_000
 #: bits of the numerator and of the denominator of a rational number
@@ -72,9 +71,8 @@ def parse(text: str, names: Mapping[str, sympy.Symbol] | None = None) -> Expr:
         _refuse(f"an expression of {len(text)} characters; at most {MAX_LENGTH} are read")
     try:
         names = names or {}
-        real = {name: sympy.Symbol(name, real=True) for name in names}
-        value = _Parser(text, real).value()
-        return value.xreplace({real[name]: symbol for name, symbol in names.items()})
+        value = _Parser(text, names).value()
+        return value.xreplace({real: names[real.name] for real in value.free_symbols})
     except ExpressionError:
         raise
     except (ArithmeticError, AttributeError, TypeError, ValueError) as error:
@@ -189,7 +187,7 @@ class _Parser:
                 value = self.checked(value * self.sign(), start)
                 continue
             divisor = self.sign()
-            if _is_zero(divisor):
+            if is_zero(divisor):
                 _refuse(f"{self.since(start)} divides by zero")
             value = self.checked(value / divisor, start)
         return value
@@ -219,7 +217,7 @@ class _Parser:
             )
         if base.is_Rational and _bits(base) * abs(exponent) > 2 * MAX_BITS:
             _refuse(f"{self.since(start)} has too many digits")
-        if exponent < 0 and _is_zero(base):
+        if exponent < 0 and is_zero(base):
             _refuse(f"{self.since(start)} divides by zero")
         return self.checked(base**exponent, start)
 
@@ -244,7 +242,7 @@ class _Parser:
             _refuse(f"{quoted(token.text)}: a number has no zeros in front of it")
         # checked before 10**exponent is made; the digits before the point are bounded by the length
         if len(exponent) > 5 or abs(int(exponent or 0)) > MAX_MAGNITUDE:
-            _refuse(f"{quoted(token.text)} is beyond {_RANGE} in size")
+            _refuse(f"{quoted(token.text)} is beyond {RANGE} in size")
         shift = int(exponent or 0) - len(decimals)
         return self.checked(int(whole + decimals) * sympy.Integer(10) ** shift, token.start)
 
@@ -252,7 +250,7 @@ class _Parser:
         if token.text == "pi":
             return sympy.pi
         if token.text in self.names:
-            return self.names[token.text]
+            return sympy.Symbol(token.text, real=True)
         if token.text in FUNCTIONS:
             _refuse(f"`{token.text}` is a function: write `{token.text}(...)`")
         if token.text.lower() in ("nan", "inf", "infinity"):
@@ -264,6 +262,7 @@ class _Parser:
                 " which moro adds by itself; give the constant part only, 0 if there is none"
             )
         hint = nearest(token.text, ["pi", *self.names])
+        hint = hint or f"; declare it, `parameters: {{{token.text}: 1}}`, where 1 is its default"
         return _refuse(f"{quoted(token.text)} is not a number, `pi` or a declared parameter{hint}")
 
     def call(self, token: _Token) -> Expr:
@@ -364,35 +363,18 @@ class _Parser:
         exponents = [power.exp for power in value.atoms(sympy.Pow)]
         if any(e.is_Rational and abs(e) > MAX_EXPONENT for e in exponents):
             _refuse(f"{self.since(start)} has an exponent above {MAX_EXPONENT}")
-        for constant in [value] if value.is_number else value.atoms(sympy.Rational):
-            number = _numeric(constant)
-            if not number.is_Number:
-                _refuse(f"{self.since(start)} is not a real number")
-            if number != 0 and not _SMALLEST <= abs(number) <= _LARGEST:
-                _refuse(f"{self.since(start)} is beyond {_RANGE} in size")
+        if is_zero(value):
+            return sympy.Integer(0)
+        if value.is_number and not numeric(value).is_Number:
+            _refuse(f"{self.since(start)} is not a real number")
+        if not is_sane(value):
+            _refuse(f"{self.since(start)} is beyond {RANGE} in size")
         return value
-
-
-_LARGEST = sympy.Integer(10) ** MAX_MAGNITUDE
-_SMALLEST = 1 / _LARGEST
-_RANGE = f"1e-{MAX_MAGNITUDE}..1e{MAX_MAGNITUDE}"
 
 
 def _bits(number: Expr) -> int:
     return max(int(number.p).bit_length(), int(number.q).bit_length())
 
 
-def _numeric(constant: Expr) -> Expr:
-    """Return ``constant`` as a rational or floating-point number; a complex one is neither."""
-    return constant if constant.is_Rational else constant.evalf()
-
-
 def _exceeds(value: Expr, bound: int) -> bool:
-    return bool(value.is_number and abs(_numeric(value)) > bound)
-
-
-def _is_zero(value: Expr) -> bool:
-    """Whether ``value`` is zero, or is a constant that 100 digits do not tell from zero."""
-    if value.is_Rational or not value.is_number:
-        return bool(value == 0)
-    return bool(abs(value.evalf()) < sympy.Float("1e-90"))
+    return bool(value.is_number and abs(numeric(value)) > bound)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import codecs
-import difflib
 import os
-import sys
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import names
+from .. import meant
+from ..callers import outside
+from . import formats, names
 from .document import MAX_ITEMS, MAX_SIZE, DocumentError, Scalar, Table, compose, place
 from .errors import Problem, RobotFileError, RobotFileWarning
 
@@ -25,8 +25,11 @@ def read(path: str | os.PathLike[str], *, warn: bool = True) -> RobotFile:
     meant gives a RobotFileWarning each.
     """
     shown = os.fspath(path)
+    text = _text(Path(path), shown)
+    if kind := formats.foreign(text, Path(path).suffix.lower()):
+        raise RobotFileError(shown, [Problem(None, "", f"is {kind}; {formats.EXPECTED}")])
     try:
-        tree, doubled = compose(_text(Path(path), shown))
+        tree, doubled = compose(text)
     except DocumentError as error:
         raise RobotFileError(shown, [error.problem]) from None
     if not isinstance(tree, Table):
@@ -50,16 +53,8 @@ def read(path: str | os.PathLike[str], *, warn: bool = True) -> RobotFile:
     if warn:
         for location, remark in remarks(file):
             message = Problem(*place(tree, location), remark).at(shown)
-            warnings.warn(message, RobotFileWarning, stacklevel=_outside())
+            warnings.warn(message, RobotFileWarning, stacklevel=outside())
     return file
-
-
-def _outside() -> int:
-    """Return the stack level, seen from the caller, of the code that called moro."""
-    level, frame = 1, sys._getframe(1)
-    while frame.f_back and frame.f_globals["__name__"].partition(".")[0] == "moro":
-        level, frame = level + 1, frame.f_back
-    return level
 
 
 def _text(path: Path, shown: str) -> str:
@@ -96,8 +91,8 @@ def _text(path: Path, shown: str) -> str:
 def _neighbour(path: Path) -> str:
     """Name a robot file in the same folder with a similar name."""
     try:
-        found = [other.name for other in path.parent.iterdir() if other.suffix in (".yaml", ".yml")]
+        found = {x.stem: x for x in path.parent.iterdir() if x.suffix in (".yaml", ".yml")}
     except OSError:
         return ""
-    close = difflib.get_close_matches(path.name, found, n=1)
-    return f"; did you mean `{path.parent / close[0]}`?" if close else ""
+    name = path.stem if path.stem in found else meant.nearest(path.stem, found)
+    return f"; did you mean `{found[name]}`?" if name else ""

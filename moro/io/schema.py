@@ -6,7 +6,7 @@ back from pydantic with its location; ``problems`` puts that in words.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NoReturn
 
@@ -26,6 +26,12 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from .. import checks
+from ..checks import shown
+from ..constants import is_negative
+from ..meant import elsewhere
+from ..rows import CONVENTIONS
+from ..tensors import ENTRIES, FORMS, Rows, entry_name, listed, rows_of
 from . import names
 from .document import MAX_ITEMS, List, Scalar, Table, place
 from .errors import Problem, nearest
@@ -107,14 +113,9 @@ def _constant(value: Any) -> Any:
 
 
 def _not_negative(value: Any) -> Any:
-    if value.is_number and value < 0:
+    if is_negative(value):
         _refuse(f"{shown(value)} is negative; expected 0 or more")
     return value
-
-
-def shown(value: Any) -> str:
-    """Return a number as messages show it: a decimal if it came as one."""
-    return repr(float(value)).removesuffix(".0") if value.is_Rational else str(value)
 
 
 Number = Annotated[Any, PlainValidator(_number)]
@@ -151,11 +152,10 @@ Acceleration = Annotated[
 ]
 
 
-def _tensor_shape(node: object) -> List:
-    expected = (
-        "[Ixx, Iyy, Izz], [Ixx, Iyy, Izz, Ixy, Ixz, Iyz] or 3 rows of 3, in kg m^2,"
-        " about the centre of mass"
-    )
+def _tensor_shape(node: object) -> List | Table:
+    expected = f"{FORMS}, or 3 rows of 3, in kg m^2, about the centre of mass"
+    if isinstance(node, Table):
+        return _renamed(node)
     rows = _listed(node, (3, 6), expected)
     nested = [isinstance(row, List) for row in rows]
     if any(nested) and not (len(rows) == 3 and all(nested)):
@@ -166,33 +166,54 @@ def _tensor_shape(node: object) -> List:
     return rows
 
 
-def _tensor(values: tuple[Any, ...]) -> tuple[tuple[Any, ...], ...]:
-    """Return the 3x3 matrix, symmetric, that 3, 6 or 9 values stand for."""
-    if isinstance(values[0], tuple):
-        for i, j in ((0, 1), (0, 2), (1, 2)):
-            if not _equal(values[i][j], values[j][i]):
-                _refuse(
-                    f"is not symmetric: entry {i + 1},{j + 1} is {shown(values[i][j])},"
-                    f" entry {j + 1},{i + 1} is {shown(values[j][i])}"
-                )
-        (xx, xy, xz), (_, yy, yz), (_, _, zz) = values
-    else:
-        zero = sympy.Integer(0)
-        xx, yy, zz, xy, xz, yz = values if len(values) == 6 else (*values, zero, zero, zero)
+def _renamed(node: Table) -> Table:
+    """Return named entries under the names of ``ENTRIES``, which Ixx and ixx are read as."""
+    found = Table(node.line)
+    for key, value in node.items():
+        name = entry_name(key)
+        if name in found:
+            _refuse(f"gives `{name}` twice")
+        found[name] = value
+        found.lines[name] = node.lines[key]
+    return found
+
+
+def _tensor(values: Any) -> Rows:
+    """Return the 3x3 matrix, symmetric, that 3, 6, 9 or named values stand for."""
+    if isinstance(values, BaseModel):
+        return rows_of({name: getattr(values, name) for name in ENTRIES})
+    if not isinstance(values[0], tuple):
+        return listed(values)
+    if found := checks.asymmetry(values):
+        _refuse(f"is not symmetric: {found}")
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = values
     return ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
 
 
-def _equal(x: Any, y: Any) -> bool:
-    """Whether two expressions are the same, or two numbers the same to the rounding of floats."""
-    if x.is_number and y.is_number:
-        return bool(abs(x - y) <= sympy.Rational("1e-12") * max(abs(x), abs(y)))
-    return bool(sympy.expand(x - y) == 0)
+class Moments(BaseModel):
+    """A tensor by its entries; products of inertia are entries of the matrix, sign included."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+
+    xx: Number = Field(description="the moment of inertia Ixx, in kg m^2")
+    yy: Number = Field(description="the moment of inertia Iyy, in kg m^2")
+    zz: Number = Field(description="the moment of inertia Izz, in kg m^2")
+    xy: Number = sympy.Integer(0)
+    xz: Number = sympy.Integer(0)
+    yz: Number = sympy.Integer(0)
+
+
+def _form(node: Any) -> str:
+    if isinstance(node, Table):
+        return "named"
+    return "rows" if isinstance(node[0], List) else "values"
 
 
 Tensor = Annotated[
     Annotated[tuple[Number, ...], Tag("values")]
-    | Annotated[tuple[tuple[Number, ...], ...], Tag("rows")],
-    Discriminator(lambda node: "rows" if isinstance(node[0], List) else "values"),
+    | Annotated[tuple[tuple[Number, ...], ...], Tag("rows")]
+    | Annotated[Moments, Tag("named")],
+    Discriminator(_form),
     BeforeValidator(_tensor_shape),
     AfterValidator(_tensor),
 ]
@@ -225,34 +246,38 @@ Coulomb = Annotated[tuple[NotNegative, ...], BeforeValidator(_coulomb_shape)]
 # --- words ---------------------------------------------------------------------------------------
 
 
-def _choice(*words: str, also: dict[str, str] | None = None) -> PlainValidator:
-    """One of ``words``; ``also`` maps what people write instead to what to say about it."""
+def _choice(*words: str, read: Mapping[str, str], also: Mapping[str, str]) -> PlainValidator:
+    """One of ``words``, as ``read`` from what people write, in capitals too.
+
+    ``also`` maps what they write instead to what to say about it.
+    """
 
     def choose(node: object) -> str:
-        if isinstance(node, Scalar) and node.text in words:
-            return node.text
-        hint = ""
-        if isinstance(node, Scalar):
-            text = node.text.lower()
-            hint = f"; {also[text]}" if also and text in also else nearest(text, words)
+        text = node.text.lower() if isinstance(node, Scalar) else ""
+        if text in read:
+            return read[text]
+        hint = f"; {also[text]}" if text in also else nearest(text, words)
         expected = " or ".join(f"`{word}`" for word in words)
         _refuse(f"found {_found(node)}; expected {expected}{hint}")
 
     return PlainValidator(choose)
 
 
+#: what is read as a joint type
+JOINT_TYPES = {"r": "revolute", "p": "prismatic", "revolute": "revolute", "prismatic": "prismatic"}
+
 JointType = Annotated[
     Literal["revolute", "prismatic"],
     _choice(
         "revolute",
         "prismatic",
+        read=JOINT_TYPES,
         also={
-            "r": "write `revolute`",
             "rotational": "write `revolute`",
             "continuous": "write `revolute` and leave out the limits",
-            "p": "write `prismatic`",
             "linear": "write `prismatic`",
-            "fixed": "a link that does not move is part of the link before it",
+            "fixed": "a link that does not move is part of the link before it: put the product"
+            " of both rows in one, and both bodies",
         },
     ),
 ]
@@ -261,12 +286,12 @@ Convention = Annotated[
     _choice(
         "dh",
         "mdh",
+        read={"dh": "dh", "mdh": "mdh"},
         also={
-            "standard": "the standard, or distal, one is `dh`",
-            "distal": "the standard, or distal, one is `dh`",
-            "modified": "the modified, or proximal, one is `mdh`",
-            "proximal": "the modified, or proximal, one is `mdh`",
-            "craig": "the modified, or proximal, one is `mdh`",
+            word: f"the standard, or distal, one is `{CONVENTIONS[word]}`"
+            if CONVENTIONS[word] == "dh"
+            else f"the modified, or proximal, one is `{CONVENTIONS[word]}`"
+            for word in CONVENTIONS
         },
     ),
 ]
@@ -388,7 +413,10 @@ def problems(error: ValidationError, tree: Table) -> Iterator[Problem]:
             known = _model(location).model_fields
             hint = nearest(str(location[-1]), known)
             typos |= {(*location[:-1], name) for name in known if f"`{name}`" in hint}
-            message = f"unknown field{hint or '; known are ' + ', '.join(known)}"
+            advice = elsewhere(str(location[-1]))
+            message = f"unknown field{hint or '; ' + (advice or 'known are ' + ', '.join(known))}"
+            if comma := _decimal_comma(tree, location):
+                location, message = comma
         elif kind == "missing":
             if location in typos:
                 continue
@@ -404,8 +432,25 @@ def problems(error: ValidationError, tree: Table) -> Iterator[Problem]:
         yield Problem(*place(tree, location), message)
 
 
+def _decimal_comma(tree: Table, location: tuple[Any, ...]) -> tuple[tuple[Any, ...], str] | None:
+    """Find `{a: 1,5}`, in which 5 is a field without a value; return where it is, and what."""
+    table: Any = tree
+    for step in location[:-1]:
+        inside = step in table if isinstance(table, Table) else isinstance(step, int)
+        table = table[step] if inside else table  # a form of several is no step in the tree
+    fields = list(table)
+    field = str(location[-1])
+    before = fields[fields.index(field) - 1] if field in fields else field
+    whole = table.get(before)
+    if not (field.isdigit() and isinstance(whole, Scalar) and whole.text.lstrip("+-").isdigit()):
+        return None
+    number = f"{whole.text}.{field}"
+    return (*location[:-1], before), f"`{whole.text},{field}` has a decimal comma; write `{number}`"
+
+
 def _model(location: tuple[Any, ...]) -> type[BaseModel]:
     """Return the class of the mapping that the field at ``location`` is in."""
     if location[0] == "links" and len(location) > 2:
-        return Friction if location[2] == "friction" and len(location) > 3 else Link
+        inner: dict[Any, type[BaseModel]] = {"friction": Friction, "inertia": Moments}
+        return inner.get(location[2], Link) if len(location) > 3 else Link
     return RobotFile

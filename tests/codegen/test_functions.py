@@ -184,9 +184,8 @@ def test_random_arms(n, convention, backend, tmp_path):
 class TestSingularInertia:
     def test_packaged_arm(self):
         """The last link of the published UR5 is a point on its axis."""
-        with pytest.raises(
-            ValueError, match=r"ur5 has no forward dynamics: no inertia .* joint 6$"
-        ):
+        message = "ur5 has no forward dynamics: no inertia .* joint 6; give that link an inertia"
+        with pytest.raises(ValueError, match=message):
             mc.compile(mr.load("ur5"), ("forward_dynamics",))
 
     def test_rotor(self):
@@ -200,14 +199,14 @@ class TestSingularInertia:
         robot.cm_positions = [[0, 0, 0]] * 4
         robot.inertia_tensors = [sp.eye(3)] * 2 + [sp.zeros(3), sp.eye(3)]
         robot.gravity = [0, 0, -9.81]
-        with pytest.raises(ValueError, match=r"a motion of the joints 3, 4$"):
+        with pytest.raises(ValueError, match=r"a motion of the joints 3, 4; give those links"):
             generate(robot.model(), ("forward_dynamics",))
 
     def test_whatever_the_parameters_are(self):
         robot = mr.load("ur5")
         m = sp.Symbol("m")
         robot.masses = [m, *robot.masses[1:]]
-        with pytest.raises(ValueError, match=r"ur5 has no forward dynamics: .* some joint$"):
+        with pytest.raises(ValueError, match=r"ur5 has no forward dynamics: .* some joint; "):
             generate(robot.model(), ("forward_dynamics",), {m: None})
 
     def test_massless_link_with_a_parameter(self):

@@ -194,7 +194,7 @@ def test_a_hundred_links(write):
 
 
 def test_packaged_arms():
-    assert packaged() == ("panda", "puma560", "stanford_arm", "two_link", "ur5")
+    assert packaged() == ("panda", "puma560", "stanford_arm", "two_link", "ur5", "ur5e")
 
 
 @pytest.mark.parametrize("name", packaged())
@@ -231,7 +231,7 @@ def test_packaged_arm_says_what_its_yaml_says(name):
 
 
 def _exact(value: object) -> sympy.Expr:
-    quarters = {"pi/2": pi / 2, "-pi/2": -pi / 2}
+    quarters = {"pi/2": pi / 2, "-pi/2": -pi / 2, "2*pi": 2 * pi, "-2*pi": -2 * pi}
     return quarters[value] if isinstance(value, str) and "pi" in value else Rational(str(value))
 
 

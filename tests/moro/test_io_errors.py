@@ -163,11 +163,11 @@ WRONG_VALUES = [
     ("links", "", 5, "links", "found nothing; expected a list with one entry"),
     ("parameters", "[m_tool]", 4, "parameters", "expected a mapping: `name: default value`"),
     # words
-    ("joint", "R", 6, "links[1].joint", "expected `revolute` or `prismatic`; write `revolute`"),
+    ("joint", "rotational", 6, "links[1].joint", "or `prismatic`; write `revolute`"),
     ("joint", "revolut", 6, "links[1].joint", "did you mean `revolute`?"),
     ("joint", "fixed", 6, "links[1].joint", "part of the link before it"),
     ("joint", "[revolute]", 6, "links[1].joint", "found a list of 1 value; expected `revolute`"),
-    ("convention", "DH", 2, "convention", "expected `dh` or `mdh`; did you mean `dh`?"),
+    ("convention", "hd", 2, "convention", "expected `dh` or `mdh`; did you mean `dh`?"),
     ("convention", "modified", 2, "convention", "is `mdh`"),
     # names
     ("name", "ur-5e", 1, "name", "use `ur_5e`"),
@@ -415,7 +415,7 @@ def test_a_missing_file_names_its_neighbour(tmp_path):
 def test_a_missing_arm_names_the_packaged_ones():
     assert message("pumma560") == (
         "pumma560: neither a file nor a packaged arm; did you mean `puma560`?"
-        " (packaged are panda, puma560, stanford_arm, two_link, ur5)"
+        " (packaged are panda, puma560, stanford_arm, two_link, ur5, ur5e)"
     )
     assert "(packaged are panda," in message("")
     assert "(packaged are panda," in message("kuka")

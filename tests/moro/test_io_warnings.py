@@ -6,6 +6,8 @@ import warnings
 
 import pytest
 
+from moro import Robot
+from moro.abc import q1, q2
 from moro.io import RobotFileWarning, load, packaged
 
 LINK = {
@@ -106,6 +108,87 @@ def test_millimetres(read_with):
     assert message == "3: links[1].a: 431.8 m is long for a link; lengths are in m"
     (message,) = read_with(com="[0, 0, 120]")
     assert message.startswith("8: links[1].com: is far from the link")
+
+
+def test_sliding_limits_in_millimetres(read_with):
+    (message,) = read_with(joint="prismatic", limits="[0, 1270]")
+    assert message == "10: links[1].limits: is far for a joint to slide; lengths are in m"
+
+
+@pytest.mark.parametrize(
+    ("inertia", "unit"),
+    [
+        ("[17085955.96, 16299848.40, 6028717.92]", "g mm^2"),
+        ("[8000, 8000, 9000]", "kg mm^2"),
+        ("[200, 200, 200]", "kg cm^2"),
+        ("[100000, 100000, 100000]", "g cm^2"),
+    ],
+)
+def test_inertias_in_other_units(read_with, inertia, unit):
+    (message,) = read_with(inertia=inertia)
+    assert message.startswith("9: links[1].inertia: has a radius of gyration sqrt(I/m) of ")
+    assert message.endswith(
+        f"an arm that is 0.6 m long; inertias are in kg m^2, and this looks like {unit}"
+    )
+
+
+def test_masses_in_grams(read_with):
+    (message,) = read_with(mass="1200", inertia="[0.004, 0.004, 0.004]")
+    assert message.startswith("7: links[1].mass: the links weigh 1200 kg in all, much for an arm")
+    assert message.endswith("masses are in kg, and these look like g")
+
+
+@pytest.mark.parametrize(
+    ("gravity", "unit"),
+    [("[0, 0, -9810]", "mm/s^2"), ("[0, 981, 0]", "cm/s^2"), ("[0, 0, 32.17]", "ft/s^2")],
+)
+def test_gravity_in_other_units(read_with, gravity, unit):
+    (message,) = read_with(f"gravity: {gravity}\n")
+    assert message.startswith("1: gravity: ")
+    assert f"is what gravity is in {unit}; it is given in m/s^2, 9.81" in message
+
+
+@pytest.mark.parametrize("gravity", ["[0, 0, 1.62]", "[0, 0, 24.8]", "[0, 0, 0]"])
+def test_gravity_of_other_places_passes(read_with, gravity):
+    assert read_with(f"gravity: {gravity}\n") == []
+
+
+@pytest.mark.parametrize(
+    ("inertia", "order"),
+    [
+        ("[1, 0.1, 0.1, 1, 0.1, 1]", "Ixx, Ixy, Ixz, Iyy, Iyz, Izz"),
+        ("[3, 2, 1.2, 0, 1.2, 0]", "Ixx, Iyy, Izz, Ixy, Iyz, Ixz"),
+    ],
+)
+def test_six_values_in_another_order(read_with, inertia, order):
+    (message,) = read_with(inertia=inertia)
+    assert message.startswith("9: links[1].inertia: not physical: ")
+    assert f"would be physical as {order}: name them, {{xx: ..., yy: ...}}" in message
+
+
+def test_python_gets_the_same_warnings():
+    """Each once, when it comes up."""
+
+    def warnings_of(action):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            action()
+        assert all(each.filename == __file__ for each in caught)
+        return [str(each.message) for each in caught]
+
+    robot = Robot((0.4, 0, 0, q1), (0.3, 0, 0, q2))
+    (said,) = warnings_of(lambda: Robot((0.4, 90, 0, q1)))
+    assert said.startswith("alpha of row 1: 90 rad is more than a turn; angles are in radians")
+    for name, values, start in (
+        ("joint_limits", [(-90, 90), (-1, 1)], "limits of joint 1: is more than two turns"),
+        ("gravity", [0, 0, -9810], "gravity: 9810 is what gravity is in mm/s^2"),
+        ("masses", [1200, 900], "masses: the links weigh 2100 kg in all"),
+        ("cm_positions", [[0, 0, 0], [-150, 0, 0]], "cm_positions of link 2: is far from"),
+        ("inertia_tensors", [[1, 1, 3], [1, 1, 1]], "inertia tensor of link 1: not physical"),
+    ):
+        (said,) = warnings_of(lambda name=name, values=values: setattr(robot, name, values))
+        assert said.startswith(start)
+    assert warnings_of(lambda: robot.with_parameters({})) == []
 
 
 def test_parameters_that_nothing_uses(read_with):

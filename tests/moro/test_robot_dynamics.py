@@ -17,7 +17,7 @@ from moro.dual import DualRing
 from moro.trig import TrigRing
 
 REFERENCE = Path(__file__).parents[1] / "reference"
-ARMS = ["two_link", "stanford_arm", "puma560", "ur5", "panda"]
+ARMS = ["two_link", "stanford_arm", "puma560", "ur5", "ur5e", "panda"]
 I1, I2 = sp.symbols("I_{z_1z_1} I_{z_2z_2}")
 qd1, qd2 = q1.diff(t), q2.diff(t)
 

@@ -71,5 +71,7 @@ def decimal(rng):
 
 
 def random_tensor(rng):
+    """Tensor of a body: its second moments are those of three points and a ball."""
     A = sp.Matrix(3, 3, lambda j, k: decimal(rng))
-    return A * A.T + sp.eye(3) / 10
+    S = A * A.T + sp.eye(3) / 20
+    return sp.eye(3) * S.trace() - S

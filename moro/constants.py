@@ -1,0 +1,51 @@
+"""Constants: which are zero in disguise, negative, beyond any sane size, or no real number."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+#: a constant other than 0 lies between 10**-MAX_MAGNITUDE and 10**MAX_MAGNITUDE in size
+MAX_MAGNITUDE = 300
+RANGE = f"1e-{MAX_MAGNITUDE}..1e{MAX_MAGNITUDE}"
+
+_LARGEST = sp.Integer(10) ** MAX_MAGNITUDE
+_SMALLEST = 1 / _LARGEST
+#: what is smaller has no digit among the 100 that are computed where terms cancel
+_ZERO = sp.Float("1e-90")
+
+
+def numeric(constant: Any) -> Any:
+    """Return a number as a rational or floating-point one; a complex one is neither."""
+    return constant if constant.is_Rational else constant.evalf()
+
+
+def is_zero(value: Any) -> bool:
+    """Whether a value is zero, or is a number that 100 digits do not tell from zero."""
+    if value.is_Rational or not value.is_number:
+        return bool(value == 0)
+    return bool(abs(value.evalf()) < _ZERO)
+
+
+def is_negative(value: Any) -> bool:
+    """Whether a value is known to be negative."""
+    return bool(numeric(value) < 0) if value.is_number else bool(value.is_negative)
+
+
+def is_sane(value: Any) -> bool:
+    """Whether the numbers of a value are zero or within ``RANGE``."""
+    numbers = [numeric(value)] if value.is_number else value.atoms(sp.Rational)
+    return all(x == 0 or _SMALLEST <= abs(x) <= _LARGEST for x in numbers)
+
+
+def settled(value: Any) -> Any:
+    """Return a value with 0 for each constant in it that is zero: sin(1)**2 + cos(1)**2 - 1."""
+    if value.is_Rational or value.is_Symbol:
+        return value
+    parts = value.atoms(sp.Add, sp.Function) | {value}
+    zeros = [x for x in parts if x.is_number and x != 0 and is_zero(x)]
+    # the innermost first: what holds a zero may have no value, log(0)
+    for zero in sorted(zeros, key=lambda x: (sp.count_ops(x), sp.default_sort_key(x))):
+        value = value.xreplace({zero: sp.Integer(0)})
+    return value
