@@ -47,6 +47,8 @@ LANGUAGES: dict[Backend, Language] = {"c": "c", "cython": "cython", "numpy": "py
 #: what every C source defines besides its functions, after the robot's name
 SYMBOLS = ("fault", "key")
 
+#: characters of a name; files are called like it, and folders with more behind it
+MAX_NAME = 100
 #: a program of more operations is long: compiled quickly rather than with every optimisation
 LONG = 6000
 
@@ -181,6 +183,11 @@ def sources(
         raise ValueError(
             f"a robot named {program.name!r} cannot name functions: letters, digits and "
             "underscores only, a letter first"
+        )
+    if len(program.name) > MAX_NAME:
+        raise ValueError(
+            f"a robot's name of {len(program.name)} characters cannot name files and functions: "
+            f"at most {MAX_NAME}"
         )
     texts: dict[str, str] = {}
     for language in dict.fromkeys((LANGUAGES[backend], *languages)):

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from moro import Robot
 from moro.abc import t
 from moro.closed_form import ClosedForm
+from moro.constants import for_numpy
 from moro.dual import DualRing
 from moro.trig import Trig, TrigRing
 from moro_codegen import at_states
@@ -267,7 +268,7 @@ class Dynamics:
 def evaluated(expressions: Iterable[Any], values: Mapping[Any, Any], states: int) -> Array:
     """Return the values of SymPy expressions (states, expressions); symbols may have any name."""
     symbols = {symbol: sp.Dummy() for symbol in values}
-    plain = [sp.sympify(x).xreplace(symbols) for x in expressions]
+    plain = [for_numpy(sp.sympify(x).xreplace(symbols)) for x in expressions]
     function = sp.lambdify(list(symbols.values()), plain, "numpy", cse=True)
     columns = [np.broadcast_to(x, states) for x in function(*values.values())]
     return np.stack(columns, axis=1).astype(float)

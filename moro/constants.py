@@ -49,3 +49,21 @@ def settled(value: Any) -> Any:
     for zero in sorted(zeros, key=lambda x: (sp.count_ops(x), sp.default_sort_key(x))):
         value = value.xreplace({zero: sp.Integer(0)})
     return value
+
+
+#: functions that NumPy has
+_IN_NUMPY = (
+    *(sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, sp.atan2, sp.sinh, sp.cosh, sp.tanh),
+    *(sp.asinh, sp.acosh, sp.atanh, sp.exp, sp.log, sp.Abs, sp.sign),
+)
+
+
+def for_numpy(value: Any) -> Any:
+    """Return a value with the constants in it that NumPy has no function for, zeta(3), as floats.
+
+    Integrals are such constants too.
+    """
+    parts = value.atoms(sp.Function, sp.Integral)
+    return value.xreplace(
+        {x: x.evalf() for x in parts if x.is_number and not isinstance(x, _IN_NUMPY)}
+    )

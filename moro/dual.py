@@ -15,6 +15,8 @@ import numpy as np
 import numpy.typing as npt
 import sympy as sp
 
+from moro.constants import for_numpy
+
 Array: TypeAlias = npt.NDArray[np.float64]
 
 
@@ -123,5 +125,5 @@ class DualRing:
 
     def _number(self, expr: Any) -> Any:
         known = {s: sp.Dummy() for s in self._values if expr.has(s)}
-        function = sp.lambdify(list(known.values()), expr.xreplace(known), "numpy")
+        function = sp.lambdify(list(known.values()), for_numpy(expr.xreplace(known)), "numpy")
         return function(*(self._values[s] for s in known))

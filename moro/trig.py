@@ -28,6 +28,8 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
+from moro.constants import for_numpy
+
 Coefficient: TypeAlias = "int | Fraction"
 Monomial: TypeAlias = int
 
@@ -552,5 +554,5 @@ def _numeric(meaning: Any, values: Mapping[Any, Any]) -> Any:
     if meaning in values:
         return values[meaning]
     plain = {x: sp.Dummy() for x in values if meaning.has(x)}  # for functions and derivatives too
-    function = sp.lambdify(list(plain.values()), meaning.xreplace(plain), "numpy")
+    function = sp.lambdify(list(plain.values()), for_numpy(meaning.xreplace(plain)), "numpy")
     return function(*(values[x] for x in plain))
