@@ -28,8 +28,6 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
-from moro.constants import for_numpy
-
 Coefficient: TypeAlias = "int | Fraction"
 Monomial: TypeAlias = int
 
@@ -553,6 +551,8 @@ def _rational(c: Coefficient) -> Any:
 def _numeric(meaning: Any, values: Mapping[Any, Any]) -> Any:
     if meaning in values:
         return values[meaning]
+    if meaning.is_number:  # also one that NumPy has no name for, zeta(3)
+        return float(meaning.evalf())
     plain = {x: sp.Dummy() for x in values if meaning.has(x)}  # for functions and derivatives too
-    function = sp.lambdify(list(plain.values()), for_numpy(meaning.xreplace(plain)), "numpy")
+    function = sp.lambdify(list(plain.values()), meaning.xreplace(plain), "numpy")
     return function(*(values[x] for x in plain))
