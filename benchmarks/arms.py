@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 import moro
 from moro import Model, Robot
 from moro.abc import joint_variable
+from moro.model import REVOLUTE
 
 Array = NDArray[np.float64]
 
@@ -52,7 +53,7 @@ class Chain:
         """
         if any(joint.parent != i - 1 for i, joint in enumerate(model.joints)):
             raise ValueError(f"{model.name} is a tree; the peers get serial arms")
-        revolute = [joint.kind == "revolute" for joint in model.joints]
+        revolute = [joint.type == REVOLUTE for joint in model.joints]
         R, p = [], []
         for joint, turns in zip(model.joints, revolute, strict=True):
             axes, origin = sp.Matrix(joint.placement.R), sp.Matrix(joint.placement.p)

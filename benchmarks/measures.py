@@ -17,7 +17,8 @@ from benchmarks.native import Run
 from benchmarks.operations import table as operations_table
 from benchmarks.tasks import TASKS, Task
 from benchmarks.timing import Block, Sample, collector_off, interleaved, python_block
-from moro.algorithms.newton_euler import inverse_dynamics
+from moro.algorithms.newton_euler import joint_torques
+from moro.algorithms.posture import posture
 
 Record = dict[str, Any]
 #: what is measured, and the contender
@@ -115,7 +116,7 @@ def condition(arm: Arm) -> float:
     still = np.zeros_like(q)
 
     def torques(qdd: Array) -> Array:
-        return np.array(inverse_dynamics(model, q, still, qdd, pairs))
+        return np.array(joint_torques(posture(model, q, pairs), still, qdd))
 
     unit = np.eye(arm.dof)[:, :, None] * np.ones(q.shape[1])
     gravity = torques(still)

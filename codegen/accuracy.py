@@ -16,7 +16,8 @@ import numpy.typing as npt
 import sympy as sp
 
 from moro.algorithms.drives import drive_torques
-from moro.algorithms.newton_euler import inverse_dynamics
+from moro.algorithms.newton_euler import joint_torques
+from moro.algorithms.posture import posture
 from moro.model import Model
 from moro_codegen.kernel import Kernel
 
@@ -39,7 +40,7 @@ def exact_tau(
             position + joint.offset for position, joint in zip(x, precise.joints, strict=True)
         ]
         pairs = [(mpmath.sin(angle), mpmath.cos(angle)) for angle in angles]
-        rigid = inverse_dynamics(precise, x, xd, xdd, pairs)
+        rigid = joint_torques(posture(precise, x, pairs), xd, xdd)
         drives = drive_torques(precise, xd, xdd, mpmath.sign)
         return [body + drive for body, drive in zip(rigid, drives, strict=True)]
 

@@ -18,10 +18,10 @@ from collections import Counter
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 
-from moro.algorithms.posture import Link, Moments, Posture
-from moro.algorithms.transport import about_z
-from moro.algorithms.vectors import add, scaled, transpose
-from moro.model import Scalar
+from moro.algorithms.posture import Link, Posture
+from moro.spatial.moments import Moments
+from moro.spatial.transform import about_z
+from moro.spatial.vectors import Scalar, add, scaled, transpose
 from moro_codegen.graph import Constant, constant_value
 from moro_codegen.reduce import reduced
 
@@ -31,21 +31,34 @@ NEARLY_PARALLEL = 1e-3
 
 def equivalent_postures(arm: Posture) -> Iterator[Posture]:
     """Yield the arm in the descriptions that may need the fewest operations, for one to choose."""
-    arm = on_common_normals(arm)
-    leaves, parallel = turnable_leaves(arm), turnable_parallels(arm)
-    for constants_only in (False, True) if _has_parameters(arm) else (False,):
-        moved = reduced(arm, constants_only=constants_only)
-        for turned in dict.fromkeys([leaves | parallel, leaves, parallel, frozenset()]):
-            yield unturned(in_unit(moved, turned), turned)
+    for placed in common_normals(arm):
+        leaves, parallel = turnable_leaves(placed), turnable_parallels(placed)
+        for constants_only in (False, True) if _has_parameters(arm) else (False,):
+            moved = reduced(placed, constants_only=constants_only)
+            for turned in dict.fromkeys([leaves | parallel, leaves, parallel, frozenset()]):
+                yield unturned(in_unit(moved, turned), turned)
 
 
-def on_common_normals(arm: Posture) -> Posture:
-    """Return the arm with every frame's origin on the common normal with its parent's axis."""
+def common_normals(arm: Posture) -> Iterator[Posture]:
+    """Yield the arm with frames on common normals: those that constants lead to, then all."""
+    moved = on_common_normals(arm)
+    yield moved
+    if _has_parameters(arm) and (further := on_common_normals(arm, parameters=True)) != moved:
+        yield further
+
+
+def on_common_normals(arm: Posture, parameters: bool = False) -> Posture:
+    """Return the arm with every frame's origin on the common normal with its parent's axis.
+
+    Where the way there is a run-time parameter, a frame is moved only if ``parameters`` allow it.
+    """
     links = list(arm.links)
     for i, children in enumerate(arm.children):
         link = links[i]
-        shift = _to_common_normal(link)
-        if link.kind == "revolute" and link.parent >= 0 and shift:
+        if not link.type.fixes_axis or link.parent < 0:
+            continue
+        shift = _to_common_normal(link, parameters)
+        if constant_value(shift) != 0:
             p = add(link.p, scaled(shift, transpose(link.R)[2]))
             links[i] = replace(link, p=p, body=link.body.displaced((0, 0, -shift)))
             for k in children:
@@ -53,15 +66,16 @@ def on_common_normals(arm: Posture) -> Posture:
     return replace(arm, links=tuple(links))
 
 
-def _to_common_normal(link: Link) -> Constant:
+def _to_common_normal(link: Link, parameters: bool) -> Scalar:
     """Return how far along its axis a frame is from the common normal with its parent's axis.
 
     Where the axes are parallel, from the point nearest to the origin of the parent's frame; 0 where
-    there are run-time parameters.
+    run-time parameters say where the axis is, and where they say how far the way is, unless
+    ``parameters`` is set.
     """
-    px, py, pz = map(constant_value, link.p)
+    px, py, pz = link.p
     x, y, z = map(constant_value, transpose(link.R)[2])
-    if None in (px, py, pz, x, y, z):
+    if None in (x, y, z) or (None in map(constant_value, link.p) and not parameters):
         return 0
     sine = x * x + y * y
     if sine > NEARLY_PARALLEL:
@@ -75,7 +89,7 @@ def in_unit(arm: Posture, turned: Collection[int]) -> Posture:
     Torques keep their unit: m is in units of S / length^2. Only for arms of revolute joints without
     run-time parameters, where scaling costs nothing.
     """
-    if _has_parameters(arm) or any(link.kind == "prismatic" for link in arm.links):
+    if _has_parameters(arm) or not all(link.type.fixes_axis for link in arm.links):
         return arm
     worth: Counter[Constant] = Counter()
     for link in arm.links:
@@ -100,7 +114,7 @@ def turnable_leaves(arm: Posture) -> frozenset[int]:
     return frozenset(
         i
         for i, (link, children) in enumerate(zip(arm.links, arm.children, strict=True))
-        if link.kind == "revolute" and link.parent >= 0 and not children
+        if link.type.fixes_axis and link.parent >= 0 and not children
     )
 
 
@@ -112,9 +126,9 @@ def turnable_parallels(arm: Posture) -> frozenset[int]:
     found: set[int] = set()
     for i, (link, children) in enumerate(zip(arm.links, arm.children, strict=True)):
         near = link.parent in found or (link.parent >= 0 and arm.links[link.parent].parent < 0)
-        if near and link.kind == "revolute" and children:
+        if near and link.type.fixes_axis and children:
             outer = [arm.links[k] for k in children]
-            if all(k.kind == "revolute" and _parallel_sense(k) for k in outer):
+            if all(k.type.fixes_axis and _parallel_sense(k) for k in outer):
                 found.add(i)
     return frozenset(found)
 
@@ -156,7 +170,7 @@ def _turned(body: Moments, sin: Scalar, cos: Scalar) -> Moments:
 def _has_parameters(arm: Posture) -> bool:
     """Return whether run-time parameters are among the lengths, angles, bodies and gravity."""
     for link in arm.links:
-        fixed = (*link.R[0], *link.R[1], *link.R[2], *(link.p if link.kind == "revolute" else ()))
+        fixed = (*link.R[0], *link.R[1], *link.R[2], *(link.p if link.type.fixes_axis else ()))
         body = (link.body.m, *link.body.h, *link.body.S[0], *link.body.S[1], *link.body.S[2])
         if None in map(constant_value, (*fixed, *body)):
             return True

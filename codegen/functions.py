@@ -20,13 +20,19 @@ from moro.algorithms.drives import drive_torques
 from moro.algorithms.energies import energy_of_motion, energy_of_position
 from moro.algorithms.external_wrench import joint_torques_in_contact
 from moro.algorithms.factorization import factorized, solution
-from moro.algorithms.kinematics import poses, tip_jacobian, with_tip
+from moro.algorithms.kinematics import frame_jacobian, poses
 from moro.algorithms.newton_euler import joint_torques
-from moro.algorithms.posture import Posture, posture
-from moro.model import Model, Scalar
+from moro.algorithms.posture import Posture, posture, with_frame
+from moro.model import Model
+from moro.spatial.vectors import Scalar
 from moro_codegen.differentiate import jacobian
 from moro_codegen.factor import factored
-from moro_codegen.frames import equivalent_postures, turnable_parallels, unturned
+from moro_codegen.frames import (
+    common_normals,
+    equivalent_postures,
+    turnable_parallels,
+    unturned,
+)
 from moro_codegen.graph import Graph, Node, fewest, replaced
 from moro_codegen.singular import singular, unresisted
 
@@ -71,9 +77,10 @@ class System:
         pairs = [(self.graph.sin(angle), self.graph.cos(angle)) for angle in angles]
         return posture(self.model, q, pairs)
 
-    def posture_with_tip(self, q: Sequence[Node]) -> Posture:
-        """Return the arm with its joints at q, and frame n as a further link."""
-        return with_tip(self.posture(q), self.model.tip)
+    def with_tip(self, q: Sequence[Node]) -> Posture:
+        """Return the arm with its joints at q, and the last frame as a further link."""
+        tip = self.model.tip
+        return with_frame(self.posture(q), tip.link, tip.placement)
 
     def dynamics(self, arm: Posture, *algorithms: Algorithm) -> list[Node]:
         """Return the results of the algorithm, and for the equivalent arm, that are cheapest."""
@@ -98,10 +105,10 @@ class System:
 
     def geometry(self, q: Sequence[Node], algorithm: Algorithm) -> list[Node]:
         """Return the cheapest results for the arm itself, with frame n as a further link."""
-        arm = self.posture_with_tip(q)
-        turned = turnable_parallels(arm)
-        arms = (arm, unturned(arm, turned)) if turned else (arm,)
-        return fewest((algorithm(arm) for arm in arms), self.graph)
+        given = self.with_tip(q)
+        arms = (given, *common_normals(given))
+        turned = (unturned(arm, turnable_parallels(arm)) for arm in arms)
+        return fewest((algorithm(arm) for arm in (*arms, *turned)), self.graph)
 
     def drives(self, qd: Sequence[Node], qdd: Sequence[Scalar]) -> tuple[Scalar, ...]:
         """Return the torques of rotor inertia and friction."""
@@ -167,7 +174,7 @@ def _tau_with_wrench(
     def rigid(arm: Posture) -> Sequence[Scalar]:
         return joint_torques_in_contact(arm, qd, qdd, wrench)
 
-    tau = system.dynamics(system.posture_with_tip(q), rigid)
+    tau = system.dynamics(system.with_tip(q), rigid)
     return [_sum(tau, system.drives(qd, qdd))]
 
 
@@ -266,7 +273,7 @@ def _forward_kinematics(system: System, q: Sequence[Node]) -> Outputs:
 
 
 def _jacobian(system: System, q: Sequence[Node]) -> Outputs:
-    return [system.geometry(q, lambda arm: _flat(tip_jacobian(arm)))]
+    return [system.geometry(q, lambda arm: _flat(frame_jacobian(arm)))]
 
 
 def _kinetic_energy(system: System, q: Sequence[Node], qd: Sequence[Node]) -> Outputs:

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any, Literal
 
 from moro.checks import distinct_names
-from moro.model import JointKind, Model
+from moro.model import Model
 from moro_codegen.convert import Converter
 from moro_codegen.factor import factored
 from moro_codegen.functions import FUNCTIONS, Argument, Function, System, own_parameters
@@ -52,7 +52,7 @@ class Program:
 
     name: str
     dof: int
-    joint_kinds: tuple[JointKind, ...]
+    joint_kinds: tuple[str, ...]
     parameters: tuple[Parameter, ...]
     routines: tuple[Routine, ...]
     #: what the kernel computes with
@@ -93,7 +93,7 @@ def generate(
     return Program(
         model.name,
         model.dof,
-        tuple(joint.kind for joint in model.joints),
+        tuple(joint.type.name for joint in model.joints),
         tuple(known[k] for k in used),
         routines,
     )

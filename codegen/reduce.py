@@ -20,9 +20,9 @@ from dataclasses import replace
 from itertools import combinations
 from typing import NamedTuple
 
-from moro.algorithms.posture import Link, Moments, Posture
-from moro.algorithms.vectors import add, times
-from moro.model import Scalar, Vector
+from moro.algorithms.posture import Link, Posture
+from moro.spatial.moments import Moments
+from moro.spatial.vectors import Scalar, Vector, add, times
 from moro_codegen.graph import Constant, constant_value
 
 #: masses left with outer links stay below this multiple of the mass of the arm, for accuracy
@@ -72,13 +72,11 @@ def _fixed_to_parent(link: Link, constants_only: bool) -> Moments:
     def part(x: Scalar) -> Scalar:
         return 0 if constants_only and constant_value(x) is None else x
 
-    m, h, S = link.body.m, link.body.h, link.body.S
     if constants_only and None in map(constant_value, (*link.p, *link.R[0], *link.R[1])):
         return Moments(0)
-    if link.kind == "revolute":
-        return Moments(part(m), (0, 0, part(h[2])), ((0, 0, 0), (0, 0, 0), (0, 0, part(S[2][2]))))
-    x, y, z = ((part(row[0]), part(row[1]), part(row[2])) for row in S)
-    return Moments(0, S=(x, y, z))
+    carried = link.type.carried_moments(link.body)
+    h, x, y, z = ((part(a), part(b), part(c)) for a, b, c in (carried.h, *carried.S))
+    return Moments(part(carried.m), h, (x, y, z))
 
 
 def _pulled(arm: Posture) -> list[bool]:
@@ -88,8 +86,8 @@ def _pulled(arm: Posture) -> list[bool]:
     """
     pulled: list[bool] = []
     for link in arm.links:
-        if link.kind == "prismatic" or link.parent < 0:
-            pulled.append(link.kind == "prismatic")
+        if not link.type.fixes_axis or link.parent < 0:
+            pulled.append(not link.type.fixes_axis)
         else:
             on_first_axis = arm.links[link.parent].parent < 0
             lever = link.p[:2] if on_first_axis else link.p
@@ -107,11 +105,11 @@ def _fixed_points(
     """Yield the origins of frames further out that lie on the axes of the children of link i."""
     for k in children[i]:
         child = links[k]
-        if child.kind == "revolute":
+        if child.type.fixes_axis:
             yield from _constant_points(k, child.p)
             for j in children[k]:
                 x, y, z = map(constant_value, links[j].p)
-                if links[j].kind == "revolute" and x == y == 0 and z:
+                if links[j].type.fixes_axis and x == y == 0 and z:
                     yield from _constant_points(j, add(child.p, times(child.R, (0, 0, z))))
 
 

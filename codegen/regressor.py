@@ -10,12 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from moro.algorithms.kinematics import with_tip
-from moro.algorithms.posture import Posture
 from moro.algorithms.regressor import PARAMETERS, body_regressor
-from moro.algorithms.vectors import add, scaled, transpose
-from moro.model import Model, Scalar
 from moro.robot import Robot
+from moro.spatial.vectors import Scalar
 from moro_codegen.convert import Converter
 from moro_codegen.functions import REGRESSOR, Function, Outputs, System
 from moro_codegen.graph import Node
@@ -55,10 +52,7 @@ def regressor(robot: Robot, zeros: bool | None = None) -> Function:
     def build(
         system: System, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]
     ) -> Outputs:
-        arm = system.posture(q)
-        if robot.convention == "dh":
-            arm = at_common_normals(with_tip(arm, system.model.tip), system.model)
-        columns = list(zip(*body_regressor(arm, qd, qdd), strict=True))
+        columns = list(zip(*body_regressor(system.posture(q), qd, qdd), strict=True))
 
         def column(link: int, name: str) -> Sequence[Scalar]:
             if name in PARAMETERS:
@@ -80,18 +74,3 @@ def regressor(robot: Robot, zeros: bool | None = None) -> Function:
         f"of Khalil's frames: {names}.",
         build=build,
     )
-
-
-def at_common_normals(arm: Posture, model: Model) -> Posture:
-    """Return a standard DH arm with its last frame, in Khalil's frames and without the last.
-
-    There the origin of frame i is where the common normal to the axis of joint i + 1 begins, which
-    is further along the axis of joint i by the row's d; what joint i + 1 slides does not count.
-    """
-    links = list(arm.links)
-    placements = [*(joint.placement for joint in model.joints[1:]), model.tip]
-    for i, placement in enumerate(placements):
-        d = placement.p[2]
-        links[i] = replace(links[i], p=add(links[i].p, scaled(d, transpose(links[i].R)[2])))
-        links[i + 1] = replace(links[i + 1], p=add(links[i + 1].p, (0, 0, -d)))
-    return replace(arm, links=tuple(links[:-1]))

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from moro.algorithms.composite_rigid_body import joint_inertia
 from moro.algorithms.posture import posture
-from moro.model import Model, Scalar
+from moro.model import Model
+from moro.spatial.vectors import Scalar
 from moro_codegen.graph import constant_value
 
 #: inertias below these are rounding: of one joint, against the arm's largest; of several together,

@@ -83,7 +83,7 @@ class SymbolicRoute:
             values = {**dict(zip(self.robot.qs, q[k : k + size].T, strict=True)), **parameters}
             rates = qd[k : k + size].T
             if self._closed is None:
-                parts.append(at_states.matrices(self.robot.arm, self.robot.qs, values, rates))
+                parts.append(at_states.matrices(self.robot.model(), values, rates))
             else:
                 known = dict(zip(self._velocities, rates, strict=True))
                 parts.append(self._closed.evaluate({**values, **known}))
@@ -115,7 +115,7 @@ class _Closed:
     @classmethod
     def of(cls, robot: Robot, velocities: Sequence[Any], ring: TrigRing) -> _Closed:
         """Return the closed forms. Raise TimeoutError when the ring does."""
-        form = ClosedForm(robot.arm, ring)
+        form = ClosedForm(robot.model(), ring)
         C = form.coriolis_matrix([ring.convert(v) for v in velocities])
         return cls(ring, form.inertia_matrix, C, form.gravity_vector)
 
@@ -199,18 +199,18 @@ class Dynamics:
     @cached_property
     def T(self) -> Array:
         """The pose of frame n in frame 0, (states, 4, 4)."""
-        n = self.robot.dof
+        R, p = self._form.geometry.pose(self._form.model.tip)
         T = np.zeros((len(self.q), 4, 4))
-        T[:, :3, :3] = np.moveaxis(_rows(self._form.chain.R(n - 1)), -1, 0)
-        T[:, :3, 3] = _values(self._form.chain.origins[n - 1]).T
+        T[:, :3, :3] = np.moveaxis(_rows(R), -1, 0)
+        T[:, :3, 3] = _values(p).T
         T[:, 3, 3] = 1
         return T
 
     @cached_property
     def J(self) -> Array:
         """The Jacobian of frame n, (states, 6, n), linear rows first."""
-        chain, zero = self._form.chain, self._form.ring.zero
-        columns = chain.jacobian_in_base(self.robot.dof - 1, [zero] * 3)
+        zero = self._form.ring.zero
+        columns = self._form.geometry.jacobian(self._form.model.tip, (zero, zero, zero))
         J: Array = _rows(columns).transpose(2, 1, 0)
         return J
 
@@ -257,7 +257,7 @@ class Dynamics:
     def _form(self) -> ClosedForm:
         """The formulas over numbers, for what is short anyway."""
         values = {**dict(zip(self.robot.qs, self.q.T, strict=True)), **self.parameters}
-        return ClosedForm(self.robot.arm, DualRing(self.robot.qs, values))
+        return ClosedForm(self.robot.model(), DualRing(self.robot.qs, values))
 
     @cached_property
     def _friction(self) -> Array:

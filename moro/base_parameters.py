@@ -27,29 +27,23 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
-from moro.chain import Row
-from moro.closed_form import Arm
 from moro.display import Display
 from moro.independence import Independence
+from moro.model import Joint, Model
 from moro.plain import in_decimals, prefers_decimals
+from moro.spatial.moments import Moments
 from moro.standard_parameters import (
     BODY,
     MOMENTS,
     TENSOR,
-    Moments,
     Standard,
-    complement,
-    khalil_rows,
-    rotation_x,
-    rotation_z,
+    matrix,
+    parameters,
     values,
     vector,
 )
 from moro.tables import Table
 from moro.trig import Coefficient, Monomial, Trig, TrigRing
-
-#: what acts as if fixed to the link before, by the type of the joint
-_FIXED = {"r": ("YY", "MZ", "M"), "p": tuple(TENSOR)}
 
 #: characters of a value that still goes into a table
 _SHORT = 80
@@ -136,7 +130,7 @@ class BaseParameters(Sequence[BaseParameter]):
 
 
 def base_parameters(
-    arm: Arm,
+    model: Model,
     friction: Mapping[Standard, Any],
     ring: TrigRing,
     rates: Sequence[Any],
@@ -147,17 +141,17 @@ def base_parameters(
     Bodies that are not given have no values: there the combinations of standard parameters stand
     for themselves.
     """
-    known = values(arm, ring)
+    known = values(model, ring)
     found = []
-    for leader, form in base_forms(arm, ring, rates).items():
+    for leader, form in base_forms(model, ring, rates).items():
         joined = "R" if len(form) > 1 else ""
         symbol = sp.Symbol(f"{leader.name}{joined}_{leader.link + 1}")
         combination = value = _combination(form, display)
         if all(x in known for x in form):
             value = display(sum((factor * known[x] for x, factor in form.items()), ring.zero))
-        found.append(BaseParameter(leader, symbol, combination, value, _unit_of(leader, arm)))
+        found.append(BaseParameter(leader, symbol, combination, value, _unit_of(leader, model)))
     for x, value in friction.items():
-        found.append(BaseParameter(x, x.symbol, x.symbol, value, _unit_of(x, arm)))
+        found.append(BaseParameter(x, x.symbol, x.symbol, value, _unit_of(x, model)))
     return BaseParameters(sorted(found, key=lambda x: x.leader.place))
 
 
@@ -177,60 +171,53 @@ def _combination(form: Form, display: Display) -> Any:
     return sp.Add(*(outer * inner for inner, outer in brackets.items()))
 
 
-def _unit_of(parameter: Standard, arm: Arm) -> str:
-    turns = arm.rows[parameter.link].kind == "r"
+def _unit_of(parameter: Standard, model: Model) -> str:
+    kind = model.joints[parameter.link].type
     if parameter.name in BODY:
         return {"M": "kg"}.get(parameter.name, "kg m" if parameter.name in MOMENTS else "kg m^2")
     if parameter.name == "IA":
-        return "kg m^2" if turns else "kg"
-    if parameter.name == "FV":
-        return "N m s/rad" if turns else "N s/m"
-    return "N m" if turns else "N"
+        return "kg m^2" if kind.is_angle else "kg"
+    return f"{kind.effort} s/{kind.unit}" if parameter.name == "FV" else kind.effort
 
 
-def base_forms(arm: Arm, ring: TrigRing, rates: Sequence[Any]) -> dict[Standard, Form]:
-    """Return {leading parameter: the combination that joins it}, from the base to the tip.
+def base_forms(model: Model, ring: TrigRing, rates: Sequence[Any]) -> dict[Standard, Form]:
+    """Return {leading parameter: the combination that joins it}, from the base to the tips.
 
-    ``ring`` knows the arm's angles already; ``rates`` are symbols of the joint velocities. Only
+    ``ring`` knows the model's angles already; ``rates`` are symbols of the joint velocities. Only
     geometry and gravity matter, and whether there are rotors: all bodies count as general.
     """
     forms: dict[Standard, Form] = {}
-    names = (*BODY, "IA") if arm.rotor_inertias else BODY
-    for i in range(len(arm.rows)):
+    names = BODY if "rotor_inertias" in model.not_set else (*BODY, "IA")
+    for i in range(model.dof):
         forms |= {Standard(i, name): {Standard(i, name): ring.one} for name in names}
-    _move_to_link_before(forms, khalil_rows(arm), ring)
+    _move_to_parents(forms, model.joints, ring)
     left = sorted(forms, key=lambda x: (x.name == "IA", *x.place))  # rotors join bodies
-    for parameter, factors in Independence(arm, ring, rates).dependences(left).items():
+    for parameter, factors in Independence(model, ring, rates).dependences(left).items():
         form = forms.pop(parameter)
         for leader, factor in factors.items():
             _add(forms[leader], factor, form)
     return {leader: forms[leader] for leader in sorted(forms, key=lambda x: x.place)}
 
 
-def _move_to_link_before(forms: dict[Standard, Form], rows: Sequence[Row], ring: TrigRing) -> None:
-    for i, row in reversed(list(enumerate(rows))):
-        for name in _FIXED[row.kind]:
-            moving = forms.pop(Standard(i, name))
-            if row.kind == "r" and name == "YY":  # a rod has XX = YY
+def _move_to_parents(forms: dict[Standard, Form], joints: Sequence[Joint], ring: TrigRing) -> None:
+    for i, joint in reversed(list(enumerate(joints))):
+        for name in joint.type.carried:
+            moving, is_rod = forms.pop(Standard(i, name)), "XX" not in joint.type.carried
+            if is_rod and name == "YY":  # a rod has XX = YY
                 _add(forms[Standard(i, "XX")], -ring.one, moving)
-            for target, factor in _seen_from_link_before(row, name, ring).items() if i else ():
-                _add(forms[Standard(i - 1, target)], factor, moving)
+            if joint.parent >= 0:
+                for target, factor in _seen_from_parent(joint, name, is_rod, ring).items():
+                    _add(forms[Standard(joint.parent, target)], factor, moving)
 
 
-def _seen_from_link_before(row: Row, name: str, ring: TrigRing) -> dict[str, Trig]:
-    """Return what 1 of a fixed parameter is in the frame before."""
-    twist = rotation_x(row.alpha, ring)
-    if row.kind == "r":
-        d = ring.convert(row.d)
-        p = ring.convert(row.a), twist[1][2] * d, twist[2][2] * d
-        moments = _unit(name, ring, rod=True).turned(twist).displaced(p)
-    else:
-        turn = rotation_z(row.theta, ring)
-        moments = _unit(name, ring).turned(turn).turned(twist)
-    return {target: x for target, x in moments.parameters().items() if x}
+def _seen_from_parent(joint: Joint, name: str, is_rod: bool, ring: TrigRing) -> dict[str, Trig]:
+    """Return what 1 of a parameter that the joint does not change is in the parent's frame."""
+    R, p = matrix(joint.placement.R, ring), vector(joint.placement.p, ring)
+    moments = _unit(name, ring, is_rod).rotated(R).displaced(p)
+    return {target: x for target, x in parameters(moments).items() if x}
 
 
-def _unit(name: str, ring: TrigRing, rod: bool = False) -> Moments:
+def _unit(name: str, ring: TrigRing, rod: bool) -> Moments:
     """Return the moments of 1 of a parameter; of a rod along z, YY = XX."""
     h, I = [0, 0, 0], [[0, 0, 0], [0, 0, 0], [0, 0, 0]]
     if name in MOMENTS:
@@ -241,7 +228,7 @@ def _unit(name: str, ring: TrigRing, rod: bool = False) -> Moments:
         I[0][0] = 1 if rod else I[0][0]
     x, y, z = (vector(row, ring) for row in I)
     mass = ring.one if name == "M" else ring.zero
-    return Moments(mass, vector(h, ring), complement((x, y, z), ring.half))
+    return Moments.of(mass, vector(h, ring), (x, y, z))
 
 
 def _add(form: Form, factor: Trig, other: Form) -> None:

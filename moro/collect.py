@@ -145,7 +145,7 @@ class NamedForm(ClosedForm):
 
     def __init__(self, form: ClosedForm, *names: Names):
         self.ring: TrigRing
-        super().__init__(form.arm, TrigRing())
+        super().__init__(form.model, TrigRing())
         self._original = form
         self._original_ring: TrigRing = form.ring
         self._names = names

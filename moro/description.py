@@ -11,8 +11,7 @@ import sympy as sp
 from moro import checks, given
 from moro.abc import t
 from moro.callers import outside
-from moro.closed_form import Arm
-from moro.from_dh import model_from_dh
+from moro.from_dh import Arm, model_from_dh
 from moro.meant import elsewhere, meant
 from moro.model import Model
 from moro.notation import Notation
@@ -85,11 +84,11 @@ class Description:
     @property
     def joint_types(self) -> list[str]:
         """Type of each joint, "r" (revolute) or "p" (prismatic)."""
-        return [row.kind for row in self._rows]
+        return [row.type.letter for row in self._rows]
 
     def joint_type(self, i: int) -> str:
         """Type of joint i: "r" (revolute) or "p" (prismatic)."""
-        return self._rows[self._joint(i)].kind
+        return self._rows[self._joint(i)].type.letter
 
     @property
     def qs(self) -> list[Any]:
@@ -124,7 +123,7 @@ class Description:
 
         Set None instead of all pairs, or of one, where there are none.
         """
-        assumed = [_REVOLUTE_LIMITS if x == "r" else _PRISMATIC_LIMITS for x in self.joint_types]
+        assumed = [_REVOLUTE_LIMITS if x.type.is_angle else _PRISMATIC_LIMITS for x in self._rows]
         limits = self._given.get("joint_limits") or [None] * self.dof
         return [own or other for own, other in zip(limits, assumed, strict=True)]
 
@@ -334,11 +333,11 @@ class Description:
 
     def model(self) -> Model:
         """Return the arm as the recursive algorithms read it (``moro.model``)."""
-        return model_from_dh(self.name, self.arm, self._viscous_friction, self._coulomb_friction)
+        return model_from_dh(self.name, self.arm)
 
     @property
     def arm(self) -> Arm:
-        """The arm's data as ``moro.closed_form.ClosedForm`` reads it."""
+        """The arm's data as ``moro.from_dh`` reads it."""
         return Arm(
             self._rows,
             self._convention,
@@ -347,6 +346,8 @@ class Description:
             self._inertia_tensors,
             self._gravity,
             self._rotor_inertias,
+            self._viscous_friction,
+            self._coulomb_friction,
         )
 
     def __repr__(self) -> str:

@@ -1,105 +1,161 @@
-"""DH rows to ``Model``: every convention brought to one form, on entry.
+"""Rows of DH parameters to ``Model``: both conventions brought to one form, on entry.
 
-Standard DH puts Tz(d) Tx(a) Rx(alpha) after the joint: it moves into the child's placement and into
-the body's inertial parameters. Modified DH has Rx(alpha) Tx(a) before the joint, as ``Model``.
+Modified DH (Khalil & Kleinfinger 1986) has Rx(alpha) Tx(a) before the joint, as ``Model``; in
+standard DH, a and alpha stand in the row before. What a standard row has after its joint, Tx(a)
+Rx(alpha), is where frame i is fixed in link i. So in both conventions the joints' frames are
+Khalil's: z along the joint, x along the common normal to the joint after it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
 from typing import Any
 
 import sympy as sp
 
-from moro.closed_form import Arm
-from moro.model import Body, Joint, Matrix, Model, Placement, Vector
+from moro.model import Body, Frame, Joint, JointType, Model, Placement, Shift, Turn
+from moro.model.placement import Step
+from moro.spatial.vectors import (
+    Matrix,
+    Vector,
+    add,
+    dot,
+    product,
+    scaled,
+    sum_of,
+    times,
+    transpose,
+)
 
 _ZERO = sp.Integer(0)
 
 
-def model_from_dh(
-    name: str,
-    arm: Arm,
-    viscous: Sequence[Any] | None,
-    coulomb: Sequence[tuple[Any, Any]] | None,
-) -> Model:
-    """Return the tree that the recursive algorithms read, with the arm's own SymPy scalars."""
-    n = len(arm.rows)
-    rotor = arm.rotor_inertias or (_ZERO,) * n
-    viscous = viscous or (_ZERO,) * n
-    coulomb = coulomb or ((_ZERO, _ZERO),) * n
-    joints = tuple(
-        Joint(
-            "revolute" if row.kind == "r" else "prismatic",
-            i - 1,
-            _before(arm, i),
-            row.theta if row.kind == "r" else row.d,
-            rotor[i],
-            viscous[i],
-            (coulomb[i][0], coulomb[i][1]),
-        )
-        for i, row in enumerate(arm.rows)
-    )
-    bodies = tuple(_body(arm, i) for i in range(n))
+@dataclass(frozen=True)
+class Row:
+    """One row of a DH table: SymPy constants, and the joint variable added to one of them.
+
+    The variable adds to ``theta`` of a joint that turns, and to ``d`` of one that slides.
+    """
+
+    a: Any
+    alpha: Any
+    d: Any
+    theta: Any
+    variable: Any
+    type: JointType
+
+
+@dataclass(frozen=True)
+class Arm:
+    """An arm as it is given: SymPy values throughout. What is not set is None."""
+
+    rows: tuple[Row, ...]
+    convention: str
+    masses: tuple[Any, ...] | None = None
+    #: r_Ci in frame i
+    cm_positions: tuple[tuple[Any, ...], ...] | None = None
+    #: I_Ci in the axes of frame i
+    inertia_tensors: tuple[tuple[tuple[Any, ...], ...], ...] | None = None
+    #: in frame 0
+    gravity: tuple[Any, ...] | None = None
+    rotor_inertias: tuple[Any, ...] | None = None
+    viscous_friction: tuple[Any, ...] | None = None
+    coulomb_friction: tuple[tuple[Any, Any], ...] | None = None
+
+
+def model_from_dh(name: str, arm: Arm) -> Model:
+    """Return the tree that the algorithms read, with the arm's own SymPy scalars.
+
+    What is not set is zero. Frames are called 1, 2, .. n.
+    """
     gx, gy, gz = arm.gravity or (_ZERO,) * 3
-    return Model(name, joints, bodies, (gx, gy, gz), _after(arm, n - 1))
+    return Model(
+        name,
+        tuple(_joint(arm, i) for i in range(len(arm.rows))),
+        tuple(_body(arm, i) for i in range(len(arm.rows))),
+        (gx, gy, gz),
+        tuple(Frame(str(i + 1), i, frame_in_link(arm, i)) for i in range(len(arm.rows))),
+        frozenset(field.name for field in fields(arm) if getattr(arm, field.name) is None),
+    )
 
 
-def _before(arm: Arm, i: int) -> Placement:
-    """Pose of joint i's frame in the frame of joint i - 1, at rest."""
+def frame_in_link(arm: Arm, i: int) -> Placement:
+    """Return where frame i + 1 of the convention is in the frame of its joint."""
+    return _by(*_twist(arm.rows[i])) if arm.convention == "dh" else Placement()
+
+
+def _joint(arm: Arm, i: int) -> Joint:
     row = arm.rows[i]
-    turn = row.theta if row.kind == "p" else _ZERO
-    if arm.convention == "mdh":
-        d = row.d if row.kind == "r" else _ZERO
-        R = _rotation_x(row.alpha)
-        return Placement(_times(R, _rotation_z(turn)), (row.a, d * R[1][2], d * R[2][2]))
-    if i == 0:
-        return Placement(_rotation_z(turn), (_ZERO, _ZERO, _ZERO))
-    after = _after(arm, i - 1)
-    return Placement(_times(after.R, _rotation_z(turn)), after.p)
+    rotors, viscous = arm.rotor_inertias, arm.viscous_friction
+    forwards, backwards = arm.coulomb_friction[i] if arm.coulomb_friction else (_ZERO, _ZERO)
+    steps = [*_before(arm, i)]
+    if row.type.is_angle:
+        steps.append(Shift((_ZERO, _ZERO, row.d)))
+    else:
+        steps.append(Turn("z", row.theta))
+    return Joint(
+        row.type,
+        i - 1,
+        _by(*steps),
+        row.theta if row.type.is_angle else row.d,
+        rotors[i] if rotors else _ZERO,
+        viscous[i] if viscous else _ZERO,
+        (forwards, backwards),
+        row.variable,
+    )
 
 
-def _after(arm: Arm, i: int) -> Placement:
-    """Pose of DH frame i in the frame of joint i."""
+def _before(arm: Arm, i: int) -> Iterator[Step]:
+    """Yield what comes before joint i: Tx(a) and Rx(alpha), which commute."""
     if arm.convention == "mdh":
-        return Placement(_rotation_x(_ZERO), (_ZERO, _ZERO, _ZERO))
-    row = arm.rows[i]
-    return Placement(_rotation_x(row.alpha), (row.a, _ZERO, row.d if row.kind == "r" else _ZERO))
+        yield from _twist(arm.rows[i])
+    elif i > 0:
+        yield from _twist(arm.rows[i - 1])
+
+
+def _twist(row: Row) -> Iterator[Step]:
+    yield Shift((row.a, _ZERO, _ZERO))
+    yield Turn("x", row.alpha)
+
+
+def _by(*steps: Step) -> Placement:
+    """Return the placement by the steps that are not zero."""
+    zeros = Shift((_ZERO, _ZERO, _ZERO)), Turn("x", _ZERO), Turn("z", _ZERO)
+    return Placement.by(*(step for step in steps if step not in zeros))
 
 
 def _body(arm: Arm, i: int) -> Body:
-    """Inertial parameters of link i about the origin of joint i's frame (Steiner)."""
-    if arm.masses is None or arm.cm_positions is None or arm.inertia_tensors is None:
-        zeros = (_ZERO, _ZERO, _ZERO)
-        return Body(_ZERO, zeros, (zeros, zeros, zeros))
-    m, pose = arm.masses[i], _after(arm, i)
-    a, b, c = arm.inertia_tensors[i]
-    cx, cy, cz = arm.cm_positions[i]
-    if any(map(_divisors, (m, cx, cy, cz, *a, *b, *c))):
-        return _body_of_quotients(m, (cx, cy, cz), (a, b, c), pose)
-    x, y, z = r = _moved((cx, cy, cz), pose)
-    I = _times(_times(pose.R, (a, b, c)), _transpose(pose.R))
-    return Body(m, (m * x, m * y, m * z), _sum(I, _spread(m, r, r)))
+    """Return the inertial parameters of link i about the origin of its joint's frame (Steiner)."""
+    nothing = (_ZERO, _ZERO, _ZERO)
+    if arm.masses is None or arm.cm_positions is None:
+        return Body(_ZERO, nothing, (nothing, nothing, nothing))
+    m, c, frame = arm.masses[i], _vector(arm.cm_positions[i]), frame_in_link(arm, i)
+    I = (nothing, nothing, nothing) if arm.inertia_tensors is None else arm.inertia_tensors[i]
+    I = _matrix(I)
+    if any(map(_divisors, (m, *c, *I[0], *I[1], *I[2]))):
+        return _body_of_quotients(m, c, I, frame)
+    r = add(times(frame.R, c), frame.p)
+    return Body(m, scaled(m, r), sum_of(_in_parent(I, frame), _spread(m, r, r)))
 
 
-def _body_of_quotients(m: Any, r: Vector, I: Matrix, pose: Placement) -> Body:
+def _body_of_quotients(m: Any, c: Vector, I: Matrix, frame: Placement) -> Body:
     """Return a body whose centre of mass or tensor is divided by symbols, as a rule by its mass.
 
-    Its moments about the origin of the frame that they are given in, h = m r and I + m (r.r 1 - r
-    r^T), often need no division: they are formed in lowest terms, and only then moved by p. About
+    Its moments about the origin of the frame that they are given in, h = m c and I + m (c.c 1 - c
+    c^T), often need no division: they are formed in lowest terms, and only then moved by p. About
     the origin of the joint's frame, R (h, I) R^T and p add up to
 
         h + m p,    I + m (p.p 1 - p p^T) + 2 h.p 1 - h p^T - p h^T.
     """
-    x, y, z = r
-    m, h, I = _cancelled(m), (m * x, m * y, m * z), _sum(I, _spread(m, r, r))
-    h, I = _vector(map(_cancelled, h)), _matrix([map(_cancelled, row) for row in I])
-    h, I = _moved(h, Placement(pose.R, (_ZERO,) * 3)), _times(_times(pose.R, I), _transpose(pose.R))
-    p = pose.p
+    m, h, I = _cancelled(m), scaled(m, c), sum_of(I, _spread(m, c, c))
+    h = times(frame.R, _vector(map(_cancelled, h)))
+    I = _in_parent(_matrix(map(_cancelled, row) for row in I), frame)
+    p = frame.p
     for part in (_spread(m, p, p), _spread(1, h, p), _spread(1, p, h)):
-        I = _sum(I, part)
-    h = _vector(x + m * y for x, y in zip(h, p, strict=True))
-    return Body(m, _vector(map(_cancelled, h)), _matrix([map(_cancelled, row) for row in I]))
+        I = sum_of(I, part)
+    h = add(h, scaled(m, p))
+    return Body(m, _vector(map(_cancelled, h)), _matrix(map(_cancelled, row) for row in I))
 
 
 def _cancelled(x: Any) -> Any:
@@ -120,48 +176,21 @@ def _divisors(x: Any) -> set[Any]:
 
 def _spread(m: Any, r: Vector, s: Vector) -> Matrix:
     """Return m (r.s 1 - r s^T): for r = s, the tensor of a mass m at r about the origin."""
-    both = r[0] * s[0] + r[1] * s[1] + r[2] * s[2]
+    both = dot(r, s)
     return _matrix(
-        [[m * ((both if j == k else _ZERO) - r[j] * s[k]) for k in range(3)] for j in range(3)]
+        [m * ((both if j == k else _ZERO) - r[j] * s[k]) for k in range(3)] for j in range(3)
     )
 
 
-def _moved(r: Vector, pose: Placement) -> Vector:
-    return _vector(
-        sum((R * c for R, c in zip(row, r, strict=True)), p)
-        for row, p in zip(pose.R, pose.p, strict=True)
-    )
+def _in_parent(I: Matrix, frame: Placement) -> Matrix:
+    return product(product(frame.R, I), transpose(frame.R))
 
 
-def _rotation_x(alpha: Any) -> Matrix:
-    s, c, one = sp.sin(alpha), sp.cos(alpha), sp.Integer(1)
-    return ((one, _ZERO, _ZERO), (_ZERO, c, -s), (_ZERO, s, c))
+def _vector(values: Any) -> Vector:
+    x, y, z = values
+    return x, y, z
 
 
-def _rotation_z(theta: Any) -> Matrix:
-    s, c, one = sp.sin(theta), sp.cos(theta), sp.Integer(1)
-    return ((c, -s, _ZERO), (s, c, _ZERO), (_ZERO, _ZERO, one))
-
-
-def _times(A: Matrix, B: Matrix) -> Matrix:
-    return _matrix(
-        [[sum(a * b for a, b in zip(r, c, strict=True)) for c in zip(*B, strict=True)] for r in A]
-    )
-
-
-def _transpose(A: Matrix) -> Matrix:
-    return _matrix([list(column) for column in zip(*A, strict=True)])
-
-
-def _sum(A: Matrix, B: Matrix) -> Matrix:
-    return _matrix([[a + b for a, b in zip(r, s, strict=True)] for r, s in zip(A, B, strict=True)])
-
-
-def _matrix(rows: Iterable[Iterable[Any]]) -> Matrix:
-    a, b, c = map(_vector, rows)
-    return a, b, c
-
-
-def _vector(components: Iterable[Any]) -> Vector:
-    x, y, z = components
+def _matrix(rows: Any) -> Matrix:
+    x, y, z = map(_vector, rows)
     return x, y, z

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
-from moro.closed_form import Arm
+from moro.model import Model
 from moro.random_point import RandomPoint, dependences
 from moro.standard_parameters import Energies, Standard
 from moro.trig import Trig, TrigRing
@@ -26,12 +26,12 @@ Coefficients: TypeAlias = "dict[tuple[int, int], Trig]"
 class Independence:
     """The linear dependences of the parameters' functions (K_k, P_k but for a constant)."""
 
-    def __init__(self, arm: Arm, ring: TrigRing, rates: Sequence[Any]):
-        self.arm = arm
+    def __init__(self, model: Model, ring: TrigRing, rates: Sequence[Any]):
+        self.model = model
         self.ring = ring
         self.rates = rates
-        self._qs = [row.variable for row in arm.rows]
-        self._energies = Energies(arm, ring, [ring.convert(x) for x in rates])
+        self._qs = model.qs
+        self._energies = Energies(model, ring, [ring.convert(x) for x in rates])
 
     def dependences(self, parameters: Sequence[Standard]) -> dict[Standard, dict[Standard, Trig]]:
         """Return {dependent parameter: {independent one before it: factor}}.
@@ -57,7 +57,7 @@ class Independence:
 
     def _rows_at(self, point: RandomPoint, parameters: Sequence[Standard]) -> list[list[int]]:
         """Return a row for each parameter: K at the states, and P less its value at the first."""
-        energies = Energies(self.arm, point, [point.convert(x) for x in self.rates])
+        energies = Energies(self.model, point, [point.convert(x) for x in self.rates])
         rows = []
         for parameter in parameters:
             K, P = energies.of(parameter)

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
-from moro.closed_form import Arm
 from moro.equations import Equation, in_brackets
+from moro.model import Model
 from moro.notation import Notation
 from moro.notebook import WIDTH, Shown
 from moro.standard_parameters import BODY, Energies, Standard
@@ -43,7 +43,7 @@ class Regressor(_Pair, Shown):
 
 def regressor_columns(
     parameters: Sequence[Standard],
-    arm: Arm,
+    model: Model,
     ring: TrigRing,
     rates: Sequence[Any],
     accelerations: Sequence[Any],
@@ -53,27 +53,30 @@ def regressor_columns(
     Column k is d/dt dK_k/dqd_i - dK_k/dq_i + dP_k/dq_i; ``rates`` and ``accelerations`` are symbols
     of qd and qdd. Friction adds qd_i, sign(qd_i) and sign(qd_i)^2.
     """
-    columns = _Columns(arm, ring, rates, accelerations)
+    columns = _Columns(model, ring, rates, accelerations)
     return [columns.of(x) for x in parameters]
 
 
 class _Columns:
     def __init__(
-        self, arm: Arm, ring: TrigRing, rates: Sequence[Any], accelerations: Sequence[Any]
+        self, model: Model, ring: TrigRing, rates: Sequence[Any], accelerations: Sequence[Any]
     ):
         self.ring = ring
-        self._qs = [row.variable for row in arm.rows]
+        self._model = model
+        self._qs = model.qs
         self._rates = rates
         self._qd = [ring.convert(x) for x in rates]
         self._qdd = [ring.convert(x) for x in accelerations]
-        self._energies = Energies(arm, ring, self._qd)
+        self._energies = Energies(model, ring, self._qd)
 
     def of(self, parameter: Standard) -> list[Trig]:
         i, name = parameter
         column = [self.ring.zero] * len(self._qs)
         if name in (*BODY, "IA"):
             K, P = self._energies.of(parameter)
-            column[: i + 1] = [self._torque(K, P, j, i) for j in range(i + 1)]
+            moving = [i, *self._model.ancestors(i)]
+            for j in moving:
+                column[j] = self._torque(K, P, j, moving)
         elif name == "FV":
             column[i] = self._qd[i]
         else:
@@ -81,12 +84,12 @@ class _Columns:
             column[i] = sign if name == "FC" else sign * sign
         return column
 
-    def _torque(self, K: Trig, P: Trig, j: int, link: int) -> Trig:
-        """Return the torque at joint j; joints after the link do not move it."""
+    def _torque(self, K: Trig, P: Trig, j: int, moving: Sequence[int]) -> Trig:
+        """Return the torque at joint j; ``moving`` are the joints that move the link."""
         diff, q = self.ring.diff, self._qs[j]
         momentum = diff(K, self._rates[j])
         torque: Trig = diff(P, q) - diff(K, q)
-        for k in range(link + 1):
+        for k in moving:
             torque += diff(momentum, self._rates[k]) * self._qdd[k]
             torque += diff(momentum, self._qs[k]) * self._qd[k]
         return torque

@@ -12,14 +12,15 @@ import sympy as sp
 from moro import checks
 from moro.abc import t
 from moro.base_parameters import BaseParameter, BaseParameters, base_parameters
-from moro.chain import Chain
 from moro.closed_form import ClosedForm
 from moro.collect import Collector
 from moro.description import Description
 from moro.display import Display
 from moro.matrix_form import matrix_form
+from moro.model import Frame, Placement
 from moro.notebook import Equations, Page
 from moro.regressor import Regressor, regressor_columns
+from moro.spatial.vectors import Vector, add, product, scaled, times, transpose
 from moro.standard_parameters import BODY, Standard
 from moro.trig import Trig, TrigRing
 
@@ -341,7 +342,7 @@ class Robot(Description):
     @property
     def _form(self) -> ClosedForm:
         if self._closed_form is None:
-            self._closed_form = ClosedForm(self.arm, TrigRing())
+            self._closed_form = ClosedForm(self.model(), TrigRing())
             # one order of generators, whatever is asked for first: equal results are identical
             for symbol in (*self.qs, *self._velocities(), *self.parameters):
                 self._closed_form.ring.generator(symbol)
@@ -389,33 +390,35 @@ class Robot(Description):
         return self._results[key]
 
     def _transform(self, i: int, j: int) -> list[list[Trig]]:
-        ring, low, high = self._ring, min(i, j), max(i, j)
-        one, zero = ring.one, ring.zero
-        R = [[one if a == b else zero for b in range(3)] for a in range(3)]
-        r = [zero] * 3
-        if high > low:
-            chain = self._form.chain
-            if low > 0:
-                chain = Chain(self._rows[low:high], self._convention, ring, declare=False)
-            R, r = chain.R(high - low - 1), chain.origins[high - low - 1]
-        if i < j:
-            R = [list(column) for column in zip(*R, strict=True)]
-            r = [-(a * r[0] + b * r[1] + c * r[2]) for a, b, c in R]
-        return [*([*row, x] for row, x in zip(R, r, strict=True)), [zero, zero, zero, one]]
+        frames = self._numbered_frames
+        R, r = self._form.geometry.relative(frames[i], frames[j])
+        zero, one = self._ring.zero, self._ring.one
+        rows = [[*row, x] for row, x in zip(R, r, strict=True)]
+        return [*rows, [zero, zero, zero, one]]
 
     def _jacobian(self, link: int, point: Sequence[Any]) -> list[list[Trig]]:
-        zero = self._ring.zero
-        columns = self._form.chain.jacobian_in_base(link, [self._ring.convert(x) for x in point])
-        columns += [[zero] * 6] * (self.dof - len(columns))
+        frame = self._numbered_frames[link + 1]
+        columns = self._form.geometry.jacobian(frame, self._in_ring(point))
         return [list(row) for row in zip(*columns, strict=True)]
 
     def _cm(self, link: int) -> list[Trig]:
-        chain, r = self._form.chain, self._needed("cm_positions")[link]
-        return chain.point_in_base(link, [self._ring.convert(x) for x in r])
+        R, p = self._form.geometry.pose(self._numbered_frames[link + 1])
+        r = self._in_ring(self._needed("cm_positions")[link])
+        return [x + y for x, y in zip(p, times(R, r), strict=True)]
 
-    def _rotated_tensor(self, link: int, I: Any) -> list[list[Trig]]:
-        tensor = [[self._ring.convert(x) for x in row] for row in I]
-        return self._form.chain.tensor_in_base(link, tensor)
+    def _rotated_tensor(self, link: int, I: Any) -> Any:
+        x, y, z = map(self._in_ring, I)
+        R, _ = self._form.geometry.pose(self._numbered_frames[link + 1])
+        return product(product(R, (x, y, z)), transpose(R))
+
+    @property
+    def _numbered_frames(self) -> list[Frame]:
+        """Frames 0 (the base) to n."""
+        return [Frame("0", -1, Placement()), *self._form.model.frames]
+
+    def _in_ring(self, v: Sequence[Any]) -> Vector:
+        x, y, z = map(self._ring.convert, v)
+        return x, y, z
 
     def _velocities(self) -> list[Any]:
         """Joint velocities and accelerations, but of joint variables that are plain symbols."""
@@ -430,9 +433,12 @@ class Robot(Description):
         return sum(terms, self._ring.zero)
 
     def _angular_velocity(self, joints: Iterable[int]) -> list[list[Trig]]:
-        rates, axes = self._rates(), self._form.chain.axes
-        turning = [k for k in joints if self._rows[k].kind == "r"]
-        return [[sum((axes[k][a] * rates[k] for k in turning), self._ring.zero)] for a in range(3)]
+        rates, axes = self._rates(), self._form.geometry.axes
+        omega: Vector = (self._ring.zero,) * 3
+        for k in joints:
+            _, angular = self._form.model.joints[k].type.column(axes[k], axes[k])
+            omega = add(omega, scaled(rates[k], angular))
+        return [[x] for x in omega]
 
     def _coriolis_matrix(self) -> sp.Matrix:
         return self._matrix("C", lambda: self._form.coriolis_matrix(self._rates()))
@@ -475,13 +481,13 @@ class Robot(Description):
             }
             rates, _ = self._motion
             self._results["base parameters"] = base_parameters(
-                self.arm, friction, self._ring, rates, self._shown_by
+                self._form.model, friction, self._ring, rates, self._shown_by
             )
         found: BaseParameters = self._results["base parameters"]
         return found
 
     def _regressor_columns(self, leaders: Sequence[Standard]) -> list[list[Trig]]:
-        columns = regressor_columns(leaders, self.arm, self._ring, *self._motion)
+        columns = regressor_columns(leaders, self._form.model, self._ring, *self._motion)
         return [self._at_rest(column) for column in columns]
 
     def _counts(self, parameter: BaseParameter, zeros: bool | None) -> bool:

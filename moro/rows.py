@@ -10,14 +10,11 @@ from sympy.core.function import AppliedUndef
 
 from moro import checks
 from moro.abc import t
-from moro.chain import Row
+from moro.from_dh import Row
+from moro.model import PRISMATIC, REVOLUTE, JointType
 
-_KINDS: dict[str, Literal["r", "p"]] = {
-    "r": "r",
-    "p": "p",
-    "revolute": "r",
-    "prismatic": "p",
-}
+#: what the types of joints are called in a row
+_TYPES = {word: kind for kind in (REVOLUTE, PRISMATIC) for word in (kind.letter, kind.name)}
 
 #: what the conventions are called, and what is meant
 CONVENTIONS: dict[str, Literal["dh", "mdh"]] = {
@@ -83,22 +80,22 @@ def _holds_rows(row: Any) -> bool:
 
 
 def _read_row(items: tuple[Any, ...], what: str) -> Row:
-    kind = _kind(items[4] if len(items) == 5 else "r", what)
+    kind = _type(items[4] if len(items) == 5 else "r", what)
     a = checks.scalar(items[0], f"a of {what}")
     alpha = checks.angle(items[1], f"alpha of {what}")
     d = checks.scalar(items[2], f"d of {what}")
     theta = checks.angle(items[3], f"theta of {what}")
-    if kind == "r":
+    if kind.is_angle:
         variable, theta = _split(theta, f"theta of {what}")
     else:
         variable, d = _split(d, f"d of {what}")
     return Row(a, alpha, d, theta, variable, kind)
 
 
-def _kind(text: Any, what: str) -> Literal["r", "p"]:
-    kind = _KINDS.get(text.lower()) if isinstance(text, str) else None
+def _type(text: Any, what: str) -> JointType:
+    kind = _TYPES.get(text.lower()) if isinstance(text, str) else None
     if kind is None:
-        near = checks.suggestion(text.lower(), _KINDS) if isinstance(text, str) else ""
+        near = checks.suggestion(text.lower(), _TYPES) if isinstance(text, str) else ""
         raise ValueError(
             f'joint type of {what} must be "r" (revolute) or "p" (prismatic), '
             f"not {checks.brief(text)}{near}"

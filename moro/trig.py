@@ -108,6 +108,9 @@ class Trig:
 
     __rmul__ = __mul__
 
+    def __truediv__(self, other: Coefficient) -> Trig:
+        return self * Fraction(1, other)
+
     def __eq__(self, other: object) -> bool:
         if isinstance(other, Trig):
             return self.terms == other.terms
@@ -161,26 +164,35 @@ class TrigRing:
 
     # -- generators -------------------------------------------------------------------------------
 
-    def declare_angles(self, group: Sequence[tuple[Any, Any]]) -> None:
+    def declare_angles(
+        self, group: Sequence[tuple[Any, Any]], before: Sequence[int] | None = None
+    ) -> None:
         """Make each angle of a group of parallel joints basic.
 
-        ``group`` is a list of (joint variable, angle). The first angle is +- its joint variable
-        plus a constant, each further one the angle before it +- its own variable plus a constant.
+        ``group`` is a list of (joint variable, angle). Angle k is +- its joint variable plus a
+        constant, or that and angle ``before[k]`` of the group, unless this is -1; by default the
+        angle just before. With theta_k = theta_before + sign q_k + offset,
+
+            q_k = sign (theta_k - theta_before - offset),
+
+        which is how q_k is written in basic angles, and d theta_k/dq_j = +-1 for all joints j on
+        the way.
         """
-        before: Any = sp.Integer(0)
+        before = range(-1, len(group) - 1) if before is None else before
         self.groups.append([angle for _, angle in group])
         for k, (variable, angle) in enumerate(group):
-            sign = sp.expand(angle - before).coeff(variable)
-            terms = {angle: int(sign)} | ({before: -int(sign)} if k else {})
-            self._joint_angles[variable] = (
-                terms,
-                -sign * sp.expand(angle - before - sign * variable),
-            )
-            before = angle
+            outer = group[before[k]][1] if before[k] >= 0 else sp.Integer(0)
+            sign = sp.expand(angle - outer).coeff(variable)
+            terms = {angle: int(sign)} | ({outer: -int(sign)} if before[k] >= 0 else {})
+            offset = sp.expand(angle - outer - sign * variable)
+            self._joint_angles[variable] = terms, -sign * offset
             self._pair(angle)
-            for earlier, _ in group[: k + 1]:
+            on_the_way = k
+            while on_the_way >= 0:
+                earlier = group[on_the_way][0]
                 slope = int(sp.expand(angle).coeff(earlier))
                 self._slopes.setdefault(earlier, {})[angle] = slope
+                on_the_way = before[on_the_way]
 
     def generator(self, meaning: Any) -> Trig:
         """Return the generator that stands for ``meaning``, a SymPy object, as a polynomial."""

@@ -15,19 +15,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from moro.algorithms.newton_euler import Wrench, body_wrench, forward_motion
-from moro.algorithms.posture import Link, Moments, Posture, posture
-from moro.algorithms.transport import (
-    REST,
-    Velocity,
-    along_joint,
-    inertia_tensor,
-    matrix_in_parent,
-    moved,
-    velocity_in_link,
-    wrench_in_parent,
-)
-from moro.algorithms.vectors import (
+from moro.algorithms.newton_euler import body_wrench, forward_motion
+from moro.algorithms.posture import Link, Posture
+from moro.spatial.moments import Moments
+from moro.spatial.motion import REST, Velocity, Wrench
+from moro.spatial.transform import matrix_in_parent, velocity_in_link, wrench_in_parent
+from moro.spatial.vectors import (
+    Matrix,
+    Scalar,
     add,
     diagonal,
     difference,
@@ -38,9 +33,9 @@ from moro.algorithms.vectors import (
     skew,
     sum_of,
     symmetric,
+    times,
     transpose,
 )
-from moro.model import Matrix, Model, Scalar
 
 
 class ArticulatedInertia(NamedTuple):
@@ -53,16 +48,16 @@ class ArticulatedInertia(NamedTuple):
     @classmethod
     def of(cls, body: Moments) -> ArticulatedInertia:
         """Return the inertia of a rigid body."""
-        return cls(inertia_tensor(body), skew(body.h), diagonal(body.m))
+        return cls(body.inertia, skew(body.h), diagonal(body.m))
 
     def __add__(self, other: ArticulatedInertia) -> ArticulatedInertia:  # type: ignore[override]
         return ArticulatedInertia(*(sum_of(A, B) for A, B in zip(self, other, strict=True)))
 
-    def along(self, link: Link) -> Wrench:
-        """Return the wrench per unit of acceleration about z (revolute) or along z."""
-        if link.kind == "revolute":
-            return Wrench(self.H[2], self.I[2])
-        return Wrench(self.M[2], transpose(self.H)[2])
+    def wrench(self, acceleration: Velocity) -> Wrench:
+        """Return the wrench for an acceleration (alpha, a)."""
+        alpha, a = acceleration
+        f = add(times(transpose(self.H), alpha), times(self.M, a))
+        return Wrench(f, add(times(self.I, alpha), times(self.H, a)))
 
     def in_parent(self, link: Link) -> ArticulatedInertia:
         """Return the inertia of a link as one of its parent, the joint being fixed."""
@@ -84,27 +79,14 @@ class Yielding(NamedTuple):
     torque: Scalar
 
 
-def forward_dynamics(
-    model: Model,
-    q: Sequence[Scalar],
-    qd: Sequence[Scalar],
-    tau: Sequence[Scalar],
-    sincos: Sequence[tuple[Scalar, Scalar] | None],
-) -> list[Scalar]:
-    """Return the joint accelerations that the torques (forces) ``tau`` cause, less friction.
-
-    They solve M(q) qdd + C(q, qd) qd + G(q) = tau, with the rotor inertias on M's diagonal.
-    ``sincos[i]`` is the pair (sin, cos) of ``q_i + offset`` of a revolute joint, anything for a
-    prismatic one. Divides by zero where M is singular: where a joint moves neither mass nor rotor.
-    """
-    rotors = [joint.rotor_inertia for joint in model.joints]
-    return joint_accelerations(posture(model, q, sincos), rotors, qd, tau)
-
-
 def joint_accelerations(
     arm: Posture, rotors: Sequence[Scalar], qd: Sequence[Scalar], tau: Sequence[Scalar]
 ) -> list[Scalar]:
-    """Return the joint accelerations of an arm in a posture."""
+    """Return the joint accelerations that the torques (forces) ``tau`` cause, less friction.
+
+    They solve M(q) qdd + C(q, qd) qd + G(q) = tau, with the rotor inertias on M's diagonal. Divides
+    by zero where M is singular: where a joint moves neither mass nor rotor.
+    """
     motions = forward_motion(arm, qd, [0] * len(arm.links))
     bias = [body_wrench(*pair) for pair in zip(arm.links, motions, strict=True)]
     return accelerations(arm, yielding_joints(arm, rotors, bias, tau))
@@ -117,7 +99,7 @@ def yielding_joints(
     inertias = [ArticulatedInertia.of(link.body) for link in arm.links]
     wrenches, joints = list(bias), []
     for i, link in reversed(list(enumerate(arm.links))):
-        joint = yielding(link, inertias[i], rotors[i], tau[i] - along_joint(link, wrenches[i]))
+        joint = yielding(link, inertias[i], rotors[i], tau[i] - link.type.along(wrenches[i]))
         joints.append(joint)
         if (k := link.parent) >= 0:
             inertias[k] = inertias[k] + articulated(link, inertias[i], joint.share).in_parent(link)
@@ -130,23 +112,19 @@ def yielding_joints(
 
 def yielding(link: Link, inertia: ArticulatedInertia, rotor: Scalar, torque: Scalar) -> Yielding:
     """Return how a joint yields. Of its own component it bears all that the rotor does not."""
-    wrench = inertia.along(link)
-    reciprocal = 1 / (along_joint(link, wrench) + rotor)
-    (fx, fy, fz), (nx, ny, nz) = (scaled(reciprocal, part) for part in wrench)
-    if link.kind == "revolute":
-        nz = 1 - rotor * reciprocal
-    else:
-        fz = 1 - rotor * reciprocal
-    return Yielding(reciprocal, Wrench((fx, fy, fz), (nx, ny, nz)), torque)
+    wrench = inertia.wrench(link.type.moved(REST, 1))
+    reciprocal = 1 / (link.type.along(wrench) + rotor)
+    share = Wrench(scaled(reciprocal, wrench.f), scaled(reciprocal, wrench.n))
+    return Yielding(reciprocal, link.type.bearing(share, 1 - rotor * reciprocal), torque)
 
 
 def articulated(link: Link, inertia: ArticulatedInertia, share: Wrench) -> ArticulatedInertia:
     """Return what of an inertia is felt through the joint: less (wrench along it) (share)^T."""
     I, H, M = inertia
-    f, n = inertia.along(link)
-    mixed = dyad(share.n, f) if link.kind == "revolute" else dyad(n, share.f)
-    I, M = difference(I, dyad(n, share.n)), difference(M, dyad(f, share.f))
-    return ArticulatedInertia(symmetric(I), difference(H, mixed), symmetric(M))
+    wrench = inertia.wrench(link.type.moved(REST, 1))
+    I, M = difference(I, dyad(wrench.n, share.n)), difference(M, dyad(wrench.f, share.f))
+    H = difference(H, link.type.coupling(wrench, share))
+    return ArticulatedInertia(symmetric(I), H, symmetric(M))
 
 
 def accelerations(arm: Posture, joints: Sequence[Yielding]) -> list[Scalar]:
@@ -157,5 +135,5 @@ def accelerations(arm: Posture, joints: Sequence[Yielding]) -> list[Scalar]:
         carried = velocity_in_link(link, REST if link.parent < 0 else links[link.parent])
         alpha, a = carried
         found.append(reciprocal * torque - (dot(share.n, alpha) + dot(share.f, a)))
-        links.append(moved(link, carried, found[-1]))
+        links.append(link.type.moved(carried, found[-1]))
     return found

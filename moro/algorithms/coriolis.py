@@ -19,21 +19,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from moro.algorithms.newton_euler import Wrench
-from moro.algorithms.posture import Link, Moments, Posture, posture
-from moro.algorithms.transport import (
-    Velocity,
-    along_joint,
-    ancestors,
-    composites,
-    inertia_tensor,
-    matrix_in_parent,
-    momentum,
-    velocities,
-    wrench_in_parent,
+from moro.algorithms.posture import Link, Posture, ancestors, composites, velocities
+from moro.spatial.moments import Moments
+from moro.spatial.motion import Velocity, Wrench
+from moro.spatial.transform import matrix_in_parent, wrench_in_parent
+from moro.spatial.vectors import (
+    Matrix,
+    Scalar,
+    Vector,
+    add,
+    cross,
+    dyad,
+    product,
+    scaled,
+    skew,
+    sum_of,
 )
-from moro.algorithms.vectors import add, cross, dyad, product, scaled, skew, sum_of, times
-from moro.model import Matrix, Model, Scalar, Vector
 
 
 class Flow(NamedTuple):
@@ -56,28 +57,14 @@ class Column(NamedTuple):
     swirl: Vector
 
 
-def coriolis_matrix(
-    model: Model,
-    q: Sequence[Scalar],
-    qd: Sequence[Scalar],
-    sincos: Sequence[tuple[Scalar, Scalar] | None],
-) -> list[list[Scalar]]:
-    """Return the rows of C(q, qd) (n x n), C_ij = sum_k c_ijk qd_k with Christoffel's c_ijk.
-
-    ``sincos[i]`` is the pair (sin, cos) of ``q_i + offset`` of a revolute joint, anything for a
-    prismatic one. With arrays for scalars, many samples are computed at once.
-    """
-    return joint_coriolis(posture(model, q, sincos), qd)
-
-
 def joint_coriolis(arm: Posture, qd: Sequence[Scalar]) -> list[list[Scalar]]:
-    """Return the rows of the Coriolis matrix of an arm in a posture."""
+    """Return the rows of C(q, qd) (n x n), C_ij = sum_k c_ijk qd_k with Christoffel's c_ijk."""
     links, motion = arm.links, velocities(arm, qd)
     C: list[list[Scalar]] = [[0] * len(links) for _ in links]
     bodies = zip(composites(arm), composite_flows(arm, motion), strict=True)
     for j, (body, flow) in enumerate(bodies):
         column = own_column(links[j], motion[j], body, flow)
-        C[j][j] = along_joint(links[j], column.change)
+        C[j][j] = links[j].type.along(column.change)
         inner = links[j]
         for i in ancestors(links, j):
             change, inertia, swirl = column
@@ -87,8 +74,8 @@ def joint_coriolis(arm: Posture, qd: Sequence[Scalar]) -> list[list[Scalar]]:
                 inner.rotate(swirl),
             )
             inner = links[i]
-            C[i][j] = along_joint(inner, column.change)
-            C[j][i] = change_against(inner, motion[i], column)
+            C[i][j] = inner.type.along(column.change)
+            C[j][i] = inner.type.against(motion[i], column.momentum, column.swirl)
     return C
 
 
@@ -113,25 +100,5 @@ def body_flow(body: Moments, velocity: Velocity) -> Flow:
 
 def own_column(link: Link, velocity: Velocity, body: Moments, flow: Flow) -> Column:
     """Return the column of a link's own joint, in its frame."""
-    (wx, wy, _), (vx, vy, _) = velocity
-    zeta: Vector = (wy, -wx, 0)
-    (px, py, _), W, h = flow.p, flow.W, body.h
-    if link.kind == "prismatic":
-        change = Wrench(scaled(body.m, zeta), cross(h, zeta))
-        return Column(change, momentum(link.kind, body), (py, -px, 0))
-    # integral of r x (z x dr/dt) = tr(W) z - W z; of dr/dt x (z x r) = tr(W) z - W^T z
-    lamda: Vector = (vy, -vx, 0)
-    xx_yy = W[0][0] + W[1][1]
-    f = add(add(cross(zeta, h), scaled(body.m, lamda)), (-py, px, 0))
-    n = add(add(times(inertia_tensor(body), zeta), cross(h, lamda)), (-W[0][2], -W[1][2], xx_yy))
-    swirl = -W[2][0], -W[2][1], xx_yy
-    return Column(Wrench(f, n), momentum(link.kind, body), swirl)
-
-
-def change_against(link: Link, velocity: Velocity, column: Column) -> Scalar:
-    """Return integral r'_j . d r'_i/dt dm, i being this link's joint and j the column's."""
-    (wx, wy, _), (vx, vy, _) = velocity
-    (fx, fy, _), (nx, ny, _) = column.momentum
-    if link.kind == "prismatic":
-        return wy * fx - wx * fy
-    return wy * nx - wx * ny + vy * fx - vx * fy + column.swirl[2]
+    change, swirl = link.type.turning(velocity, body, flow.p, flow.W)
+    return Column(change, link.type.momentum(body), swirl)

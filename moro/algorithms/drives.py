@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from moro.model import Joint, Model, Scalar
+from moro.model import Joint, Model
+from moro.spatial.vectors import Scalar
 
 
 def drive_torques(

@@ -4,36 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from moro.algorithms.kinematics import with_tip
-from moro.algorithms.newton_euler import Wrench, backward_torques, body_wrench, forward_motion
-from moro.algorithms.posture import Posture, posture
-from moro.algorithms.transport import ancestors
-from moro.algorithms.vectors import scaled
-from moro.model import Model, Scalar
-
-
-def inverse_dynamics_in_contact(
-    model: Model,
-    q: Sequence[Scalar],
-    qd: Sequence[Scalar],
-    qdd: Sequence[Scalar],
-    wrench: Sequence[Scalar],
-    sincos: Sequence[tuple[Scalar, Scalar] | None],
-) -> tuple[Scalar, ...]:
-    """Return M(q) qdd + C(q, qd) qd + G(q) - J(q)^T w.
-
-    w = ``wrench`` is what the environment exerts on the last link: force [N] and moment [N m] about
-    the origin of frame n, in the axes of frame 0, as the Jacobian has them. ``sincos`` and what is
-    left out as in ``newton_euler.inverse_dynamics``.
-    """
-    arm = with_tip(posture(model, q, sincos), model.tip)
-    return joint_torques_in_contact(arm, qd, qdd, wrench)
+from moro.algorithms.newton_euler import backward_torques, body_wrench, forward_motion
+from moro.algorithms.posture import Posture, ancestors
+from moro.spatial.motion import Wrench
+from moro.spatial.vectors import Scalar, scaled
 
 
 def joint_torques_in_contact(
     arm: Posture, qd: Sequence[Scalar], qdd: Sequence[Scalar], wrench: Sequence[Scalar]
 ) -> tuple[Scalar, ...]:
-    """Return the joint torques of an arm in a posture, whose last link is the tip."""
+    """Return M(q) qdd + C(q, qd) qd + G(q) - J(q)^T w, of an arm whose last link is a frame.
+
+    w = ``wrench`` is what the environment exerts on the link of the frame: force [N] and moment
+    [N m] about the frame's origin, in the axes of frame 0, as the Jacobian has them.
+    """
     motions = forward_motion(arm, [*qd, 0], [*qdd, 0])
     wrenches = [body_wrench(*pair) for pair in zip(arm.links, motions, strict=True)]
     f, n = in_tip(arm, wrench)

@@ -11,9 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from moro.algorithms.posture import Link
-from moro.algorithms.transport import ancestors
-from moro.model import Scalar
+from moro.algorithms.posture import Link, ancestors
+from moro.spatial.vectors import Scalar
 
 
 class Factors(NamedTuple):

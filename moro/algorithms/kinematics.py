@@ -1,46 +1,14 @@
-"""Pose and Jacobian of the last frame, over any scalar.
+"""Pose and Jacobian of a frame, over any scalar.
 
-The last frame of the convention, frame n, counts as a further link that neither moves nor weighs
-anything. Only ``+ - *`` are asked of the scalars.
+The frame counts as a further link, the last, that neither moves nor weighs anything
+(``posture.with_frame``). Only ``+ - *`` are asked of the scalars.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
-
-from moro.algorithms.posture import Link, Moments, Posture, posture
-from moro.algorithms.transport import ancestors
-from moro.algorithms.vectors import add, cross, product, times, transpose
-from moro.model import Model, Placement, Scalar, Vector
-
-
-def forward_kinematics(
-    model: Model, q: Sequence[Scalar], sincos: Sequence[tuple[Scalar, Scalar] | None]
-) -> Placement:
-    """Return the pose of frame n in frame 0: x_0 = R x_n + p [m].
-
-    ``sincos[i]`` is the pair (sin, cos) of ``q_i + offset`` of a revolute joint, anything for a
-    prismatic one. With arrays for scalars, many samples are computed at once.
-    """
-    return poses(with_tip(posture(model, q, sincos), model.tip))[-1]
-
-
-def jacobian(
-    model: Model, q: Sequence[Scalar], sincos: Sequence[tuple[Scalar, Scalar] | None]
-) -> list[list[Scalar]]:
-    """Return the rows of J(q) (6 x n): (v, omega) of frame n = J qd, in the axes of frame 0.
-
-    v, in the first three rows, is the velocity of the origin of frame n.
-    """
-    return tip_jacobian(with_tip(posture(model, q, sincos), model.tip))
-
-
-def with_tip(arm: Posture, tip: Placement) -> Posture:
-    """Return the arm with frame n as a further link, on the last one and at rest there."""
-    last = len(arm.links) - 1
-    link = Link("prismatic", last, tip.R, tip.p, 0, 1, 0, Moments(0))
-    return replace(arm, links=(*arm.links, link))
+from moro.algorithms.posture import Link, Posture, ancestors
+from moro.model import Placement
+from moro.spatial.vectors import Scalar, Vector, add, product, times, transpose
 
 
 def poses(arm: Posture) -> list[Placement]:
@@ -65,18 +33,17 @@ def turned(x: Vector, y: Vector, link: Link) -> tuple[Vector, Vector]:
     return (a, b, c), (d, e, f)
 
 
-def tip_jacobian(arm: Posture) -> list[list[Scalar]]:
-    """Return the rows of the Jacobian of the last link, which is no joint's but the tip.
+def frame_jacobian(arm: Posture) -> list[list[Scalar]]:
+    """Return the rows of J (6 x n), (v, omega) = J qd, of the last link, which is a frame's.
 
-    The columns are z x (p_n - p_i), z of a revolute joint and z, 0 of a prismatic one.
+    v is the velocity of the frame's origin; in the axes of frame 0. The columns are
+    z x (p - p_i), z of a revolute joint and z, 0 of a prismatic one.
     """
     links, frames = arm.links, poses(arm)
     tip = len(links) - 1
     columns: list[tuple[Scalar, ...]] = [(0,) * 6] * tip
     for i in ancestors(links, tip):
         z, (x, y, w) = transpose(frames[i].R)[2], frames[i].p
-        if links[i].kind == "revolute":
-            columns[i] = (*cross(z, add(frames[tip].p, (-x, -y, -w))), *z)
-        else:
-            columns[i] = (*z, 0, 0, 0)
+        linear, angular = links[i].type.column(z, add(frames[tip].p, (-x, -y, -w)))
+        columns[i] = (*linear, *angular)
     return [list(row) for row in zip(*columns, strict=True)]

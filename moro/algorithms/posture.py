@@ -1,79 +1,32 @@
 """An arm at one instant: what the algorithms of dynamics read.
 
 At an instant, the positions of the joints are in the poses of the links' frames and nowhere else.
-Any frames fixed in the links give the same torques, as long as a link turns about, or slides along,
-the z axis of its frame.
+Any frames fixed in the links give the same torques, as long as a link moves about or along the z
+axis of its frame.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
-from moro.algorithms.vectors import add, dyad, product, scaled, sum_of, times, transpose
-from moro.model import Body, JointKind, Matrix, Model, Scalar, Vector
-
-
-@dataclass(frozen=True)
-class Moments:
-    """The inertial parameters of a body: integrals over its mass, r from the frame's origin."""
-
-    #: integral of dm [kg]
-    m: Scalar
-    #: integral of r dm [kg m]
-    h: Vector = (0, 0, 0)
-    #: integral of r r^T dm, which is tr(J)/2 1 - J for the tensor of inertia J [kg m^2]
-    S: Matrix = ((0, 0, 0), (0, 0, 0), (0, 0, 0))
-
-    @classmethod
-    def of(cls, body: Body) -> Moments:
-        """Return the moments of a body of a model."""
-        (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = body.inertia
-        half = (xx + yy + zz) / 2
-        S = (half - xx, -xy, -xz), (-yx, half - yy, -yz), (-zx, -zy, half - zz)
-        return cls(body.mass, body.first_moment, S)
-
-    def __add__(self, other: Moments) -> Moments:
-        return Moments(self.m + other.m, add(self.h, other.h), sum_of(self.S, other.S))
-
-    def __sub__(self, other: Moments) -> Moments:
-        S = scaled(-1, other.S[0]), scaled(-1, other.S[1]), scaled(-1, other.S[2])
-        return self + Moments(-other.m, scaled(-1, other.h), S)
-
-    def rotated(self, R: Matrix) -> Moments:
-        """Return the moments after r -> R r."""
-        return Moments(self.m, times(R, self.h), product(product(R, self.S), transpose(R)))
-
-    def displaced(self, p: Vector) -> Moments:
-        """Return the moments after r -> r + p."""
-        h = add(self.h, scaled(self.m, p))
-        return Moments(self.m, h, sum_of(self.S, sum_of(dyad(self.h, p), dyad(p, h))))
+from moro.model import PRISMATIC, JointType, Model, Placement
+from moro.spatial.moments import Moments
+from moro.spatial.motion import REST, Velocity
+from moro.spatial.transform import Transform, moments_in_parent, velocity_in_link
+from moro.spatial.vectors import Scalar, Vector
 
 
 @dataclass(frozen=True)
-class Link:
-    """A joint and its body: x_parent = R Rz x + p, where Rz turns about z by (sin, cos)."""
+class Link(Transform):
+    """A joint and its body: where its frame is in its parent's, and how the joint moves it."""
 
-    kind: JointKind
+    type: JointType
     #: index of the parent link, -1 for the base
     parent: int
-    R: Matrix
-    p: Vector
-    sin: Scalar
-    cos: Scalar
     #: q + offset of the joint: the angle of sin and cos, or how far p has moved along z
     position: Scalar
     body: Moments
-
-    def rotate(self, v: Vector) -> Vector:
-        """Return the components of v in the axes of the parent, given those in the link's."""
-        x, y, z = v
-        return times(self.R, (self.cos * x - self.sin * y, self.sin * x + self.cos * y, z))
-
-    def rotate_back(self, v: Vector) -> Vector:
-        """Return the components of v in the axes of the link, given those in the parent's."""
-        x, y, z = times(transpose(self.R), v)
-        return self.cos * x + self.sin * y, self.cos * y - self.sin * x, z
 
 
 @dataclass(frozen=True)
@@ -96,17 +49,49 @@ class Posture:
 def posture(
     model: Model, q: Sequence[Scalar], sincos: Sequence[tuple[Scalar, Scalar] | None]
 ) -> Posture:
-    """Return the model with its joints at q.
+    """Return the model with its joints at q: the one entrance to the algorithms.
 
-    ``sincos[i]`` is the pair (sin, cos) of ``q_i + offset`` of a revolute joint; for a prismatic
-    one it does not matter, and may be None.
+    ``sincos[i]`` is the pair (sin, cos) of ``q_i + offset`` of a joint that turns; for another it
+    does not matter, and may be None. With arrays for scalars, many samples are computed at once.
     """
     links = []
     for joint, body, x, pair in zip(model.joints, model.bodies, q, sincos, strict=True):
-        R, p, position = joint.placement.R, joint.placement.p, x + joint.offset
-        sin, cos = pair or (0, 1)
-        if joint.kind == "prismatic":
-            sin, cos, p = 0, 1, add(p, times(R, (0, 0, position)))
-        moments = Moments.of(body)
-        links.append(Link(joint.kind, joint.parent, R, p, sin, cos, position, moments))
+        place, position = joint.placement, x + joint.offset
+        frame = joint.type.transform(place.R, place.p, position, pair or (0, 1))
+        links.append(
+            Link(
+                frame.R, frame.p, frame.sin, frame.cos,
+                joint.type, joint.parent, position, body.moments,
+            )
+        )  # fmt: skip
     return Posture(tuple(links), model.gravity)
+
+
+def with_frame(arm: Posture, link: int, placement: Placement) -> Posture:
+    """Return the arm with a frame fixed in a link as a further link that weighs nothing."""
+    still = Link(placement.R, placement.p, 0, 1, PRISMATIC, link, 0, Moments(0))
+    return replace(arm, links=(*arm.links, still))
+
+
+def velocities(arm: Posture, qd: Sequence[Scalar]) -> list[Velocity]:
+    """Return the velocity of every link."""
+    found: list[Velocity] = []
+    for link, rate in zip(arm.links, qd, strict=True):
+        parent = REST if link.parent < 0 else found[link.parent]
+        found.append(link.type.moved(velocity_in_link(link, parent), rate))
+    return found
+
+
+def ancestors(links: Sequence[Link], i: int) -> Iterator[int]:
+    """Yield the links that carry link i, from its parent to the base."""
+    while (i := links[i].parent) >= 0:
+        yield i
+
+
+def composites(arm: Posture) -> list[Moments]:
+    """Return for every link the moments of it and all it carries, as one rigid body."""
+    total = [link.body for link in arm.links]
+    for i, link in reversed(list(enumerate(arm.links))):
+        if link.parent >= 0:
+            total[link.parent] = total[link.parent] + moments_in_parent(link, total[i])
+    return total

@@ -11,31 +11,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from moro.algorithms.newton_euler import Motion, forward_motion
-from moro.algorithms.posture import Posture, posture
-from moro.algorithms.transport import REST, Velocity, moved, velocity_in_link
-from moro.algorithms.vectors import add, cross, dot, times, transpose
-from moro.model import Body, Model, Scalar, Vector
+from moro.algorithms.newton_euler import forward_motion
+from moro.algorithms.posture import Posture
+from moro.model import Body, Model
+from moro.spatial.motion import REST, Motion, Velocity
+from moro.spatial.transform import velocity_in_link
+from moro.spatial.vectors import Scalar, Vector, add, cross, dot, times, transpose
 
 #: the parameters of a body, in order: inertia about the origin of the joint's frame, first moment,
 #: mass
 PARAMETERS = ("XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ", "M")
-
-
-def regressor(
-    model: Model,
-    q: Sequence[Scalar],
-    qd: Sequence[Scalar],
-    qdd: Sequence[Scalar],
-    sincos: Sequence[tuple[Scalar, Scalar] | None],
-) -> list[list[Scalar]]:
-    """Return the rows of Y(q, qd, qdd) (n x 10 n), M qdd + C qd + G = Y p.
-
-    p holds the ``PARAMETERS`` of body after body, in the frame of its joint. ``sincos[i]`` is the
-    pair (sin, cos) of ``q_i + offset`` of a revolute joint, anything for a prismatic one. With
-    arrays for scalars, many samples are computed at once.
-    """
-    return body_regressor(posture(model, q, sincos), qd, qdd)
 
 
 def parameters(model: Model) -> list[Scalar]:
@@ -50,7 +35,10 @@ def body_parameters(body: Body) -> tuple[Scalar, ...]:
 
 
 def body_regressor(arm: Posture, qd: Sequence[Scalar], qdd: Sequence[Scalar]) -> list[list[Scalar]]:
-    """Return the rows of the regressor of an arm in a posture."""
+    """Return the rows of Y(q, qd, qdd) (n x 10 n), M qdd + C qd + G = Y p.
+
+    p holds the ``PARAMETERS`` of body after body, in the frame of its joint.
+    """
     size = len(PARAMETERS)
     Y: list[list[Scalar]] = [[0] * (size * len(arm.links)) for _ in arm.links]
     moving = zip(forward_motion(arm, qd, qdd), joint_columns(arm), strict=True)
@@ -71,7 +59,7 @@ def joint_columns(arm: Posture) -> list[dict[int, Velocity]]:
     for i, link in enumerate(arm.links):
         outer = found[link.parent] if link.parent >= 0 else {}
         columns = {j: velocity_in_link(link, column) for j, column in outer.items()}
-        found.append({**columns, i: moved(link, REST, 1)})
+        found.append({**columns, i: link.type.moved(REST, 1)})
     return found
 
 

@@ -10,20 +10,27 @@ import sympy as sp
 from arms import NAMES, numeric, sincos
 from dynamics import arrays, exact_case
 from exact import exact_values, rational
+from recursion import (
+    coriolis_matrix,
+    forward_dynamics,
+    forward_kinematics,
+    inertia_matrix,
+    inverse_dynamics,
+    inverse_dynamics_in_contact,
+    jacobian,
+    kinetic_energy,
+    potential_energy,
+)
 from robots import random_robot
 
 import moro as mr
 import moro_codegen as mc
 from moro.abc import q1, q2, q3, q4
-from moro.algorithms.articulated_body import forward_dynamics, joint_accelerations
-from moro.algorithms.composite_rigid_body import inertia_matrix, joint_inertia
-from moro.algorithms.coriolis import coriolis_matrix
+from moro.algorithms.articulated_body import joint_accelerations
+from moro.algorithms.composite_rigid_body import joint_inertia
 from moro.algorithms.drives import drive_torques
-from moro.algorithms.energies import kinetic_energy, potential_energy
-from moro.algorithms.external_wrench import inverse_dynamics_in_contact
 from moro.algorithms.factorization import factorized, solution
-from moro.algorithms.kinematics import forward_kinematics, jacobian
-from moro.algorithms.newton_euler import inverse_dynamics, joint_torques
+from moro.algorithms.newton_euler import joint_torques
 from moro_codegen.convert import Converter
 from moro_codegen.frames import equivalent_postures
 from moro_codegen.functions import FUNCTIONS, System

@@ -17,12 +17,12 @@ from arms import (
 )
 from exact import exact_arm, exact_state, exact_values, point_torques
 from programs import evaluate
+from recursion import inverse_dynamics
 
 import moro as mr
 from moro import Robot
 from moro.abc import q1, q2, q3
 from moro.algorithms.drives import drive_torques
-from moro.algorithms.newton_euler import inverse_dynamics
 from moro_codegen.generate import generate
 
 #: additions, subtractions and multiplications of tau without friction and rotor inertia
@@ -168,7 +168,7 @@ def test_a_payload_costs_little():
     last = model.bodies[-1]
     heavier = type(last)(last.mass + payload, last.first_moment, last.inertia)
     loaded = type(model)(
-        model.name, model.joints, (*model.bodies[:-1], heavier), model.gravity, model.tip
+        model.name, model.joints, (*model.bodies[:-1], heavier), model.gravity, model.frames
     )
     ops = tau(loaded, rigid=True, parameters={payload: 0}).ops
     assert arithmetic(ops) <= OPERATIONS["ur5"] + 35

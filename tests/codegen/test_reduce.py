@@ -8,9 +8,10 @@ import pytest
 from arms import numeric, reference_model, sincos
 from exact import exact_arm, exact_state, exact_values, point_torques
 from programs import evaluate
+from recursion import inverse_dynamics
 
-from moro.algorithms.newton_euler import inverse_dynamics, joint_torques
-from moro.model import Placement
+from moro.algorithms.newton_euler import joint_torques
+from moro.model import REVOLUTE, Placement
 from moro_codegen.convert import Converter
 from moro_codegen.frames import (
     equivalent_postures,
@@ -64,7 +65,7 @@ def test_reduced(seed):
     check(reduced(arm))
     for before, after in zip(arm.links, reduced(arm).links, strict=True):
         body = after.body
-        if before.kind == "revolute":
+        if before.type == REVOLUTE:
             assert constant_value(body.h[2]) == constant_value(body.S[2][2]) == 0
         else:
             assert {constant_value(x) for row in body.S for x in row} == {0}
@@ -94,7 +95,7 @@ def test_positions_of_common_normals():
         arm = system(reference_model(name))
         links = on_common_normals(arm.posture(*inputs(arm, "q"))).links
         for i, link in enumerate(links):
-            if link.kind == "revolute":
+            if link.type == REVOLUTE:
                 assert constant_value(link.p[1]) == 0
             if i in zero:
                 assert constant_value(link.p[0]) == constant_value(link.p[1]) == 0

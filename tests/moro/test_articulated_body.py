@@ -7,8 +7,7 @@ import pytest
 from arms import NAMES
 from dynamics import exact_case, reference_case
 from exact import body
-
-from moro.algorithms.articulated_body import forward_dynamics
+from recursion import forward_dynamics
 
 
 @pytest.mark.parametrize("seed", range(12))

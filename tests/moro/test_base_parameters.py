@@ -12,11 +12,11 @@ import pytest
 import sympy as sp
 from arms import NAMES as ARMS
 from arms import numeric, random_state, sincos
+from recursion import inverse_dynamics
 from robots import planar, random_robot, symbolic, symbolic_puma560, symbolic_seven
 
 import moro as mr
 from moro.abc import g, joint_variable, l1, l2, lc1, lc2, m1, m2, q1, q2, symbol, t
-from moro.algorithms.newton_euler import inverse_dynamics
 from moro.model import Body
 from moro.random_point import RandomPoint, dependences
 from moro.trig import TrigRing

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from arms import NAMES, numeric, sincos
 from dynamics import assert_close, by_formulas, exact_case, numbers, reference_case
+from recursion import inertia_matrix
 from robots import random_robot
-
-from moro.algorithms.composite_rigid_body import inertia_matrix
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 from arms import NAMES, numeric, sincos
 from dynamics import arrays, assert_close, by_formulas, exact_case, numbers, reference_case
+from recursion import coriolis_matrix, inertia_matrix
 from robots import random_robot
-
-from moro.algorithms.composite_rigid_body import inertia_matrix
-from moro.algorithms.coriolis import coriolis_matrix
 
 
 @pytest.mark.parametrize("seed", range(12))

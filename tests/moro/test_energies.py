@@ -8,9 +8,7 @@ import pytest
 from arms import NAMES, numeric, random_model, sincos
 from dynamics import assert_close, exact_case, reference_case
 from exact import moving_points
-
-from moro.algorithms.energies import kinetic_energy, potential_energy
-from moro.algorithms.newton_euler import inverse_dynamics
+from recursion import inverse_dynamics, kinetic_energy, potential_energy
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 from dynamics import exact_case
 from exact import moving_points, rational
-
-from moro.algorithms.external_wrench import inverse_dynamics_in_contact
-from moro.algorithms.kinematics import forward_kinematics, jacobian
+from recursion import forward_kinematics, inverse_dynamics_in_contact, jacobian
 
 
 @pytest.mark.parametrize("seed", range(12))

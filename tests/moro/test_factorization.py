@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from dynamics import exact_case
 from exact import rational
+from recursion import forward_dynamics
 
-from moro.algorithms.articulated_body import forward_dynamics
 from moro.algorithms.factorization import factorized, solution
 from moro.algorithms.posture import posture
 

@@ -7,16 +7,15 @@ import pytest
 from arms import NAMES, numeric, sincos
 from dynamics import assert_close, by_formulas, exact_case, numbers, reference_case
 from exact import moving_points
+from recursion import forward_kinematics, jacobian
 from robots import random_robot
-
-from moro.algorithms.kinematics import forward_kinematics, jacobian
 
 
 @pytest.mark.parametrize("seed", range(12))
 def test_exact(seed):
     """Four points of frame n: its origin, and one on each axis."""
     case = exact_case(seed)
-    R, p = case.model.tip.R, case.model.tip.p
+    R, p = case.model.tip.placement.R, case.model.tip.placement.p
     ends = [[x + row[k] for x, row in zip(p, R, strict=True)] for k in range(3)]
     points = [[] for _ in range(case.n - 1)] + [[(1, tuple(end)) for end in (p, *ends)]]
     moving = moving_points(case.model, points, case.sincos, case.q, case.qd, case.qdd)
@@ -49,9 +48,10 @@ def test_symbolic_route(n, convention):
     q = np.random.default_rng(n).uniform(-3, 3, (n, 5))
     model = numeric(robot.model())
     form, ring = by_formulas(robot, q)
-    columns = form.chain.jacobian_in_base(n - 1, [ring.zero] * 3)
+    columns = form.geometry.jacobian(form.model.tip, (ring.zero,) * 3)
     J = [list(row) for row in zip(*columns, strict=True)]
     assert_close(jacobian(model, q, sincos(model, q)), numbers(J))
     pose = forward_kinematics(model, q, sincos(model, q))
-    assert_close(pose.R, numbers(form.chain.R(n - 1)))
-    assert_close(pose.p, numbers(form.chain.origins[-1]))
+    R, p = form.geometry.pose(form.model.tip)
+    assert_close(pose.R, numbers(R))
+    assert_close(pose.p, numbers(p))

@@ -15,9 +15,9 @@ from arms import (
     sincos,
 )
 from exact import exact_arm, exact_state, point_torques, rational
+from recursion import inverse_dynamics
 
 from moro.algorithms.drives import drive_torques
-from moro.algorithms.newton_euler import inverse_dynamics
 from moro.model import Body
 
 

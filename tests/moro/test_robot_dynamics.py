@@ -120,7 +120,7 @@ def test_against_reference_numbers(name):
     robot.rotor_inertias = None
     reference = json.loads((REFERENCE / f"{name}.json").read_text())["states"]
     q, qd, qdd = (np.array([s[key] for s in reference]).T for key in ("q", "qd", "qdd"))
-    form = ClosedForm(robot.arm, TrigRing())
+    form = ClosedForm(robot.model(), TrigRing())
     ring, n = form.ring, robot.dof
     values = dict(zip(robot.qs, q, strict=True))
     M = np.array([[ring.evaluate(x, values) for x in row] for row in form.inertia_matrix])
@@ -154,8 +154,8 @@ def test_random_arms_numbers_agree_with_closed_forms(seed):
     robot = random_robot(rng, rng.randint(1, 4), rng.choice(["dh", "mdh"]))
     state = {q: rng.uniform(-2, 2) for q in robot.qs}
     exact, numeric = (
-        ClosedForm(robot.arm, TrigRing()),
-        ClosedForm(robot.arm, DualRing(robot.qs, state)),
+        ClosedForm(robot.model(), TrigRing()),
+        ClosedForm(robot.model(), DualRing(robot.qs, state)),
     )
     n = robot.dof
     for i, j, k in itertools.product(range(n), repeat=3):

@@ -7,7 +7,7 @@ import numpy as np
 import sympy as sp
 import yaml
 
-from moro.model import Body, Joint, Model, Placement
+from moro.model import PRISMATIC, REVOLUTE, Body, Frame, Joint, Model, Placement
 
 NAMES = ("puma560", "stanford_arm", "panda", "ur5", "two_link")
 TESTS = Path(__file__).parents[1]
@@ -78,7 +78,7 @@ def model_from_rows(rows, convention, bodies, gravity, drives=(), name="arm", pa
         R, p = before[0] * turn, before[1] + before[0] * fixed
         joints.append(
             Joint(
-                "revolute" if revolute else "prismatic",
+                REVOLUTE if revolute else PRISMATIC,
                 parents[i],
                 Placement(as_tuples(R), tuple(p)),
                 theta if revolute else d,
@@ -91,8 +91,8 @@ def model_from_rows(rows, convention, bodies, gravity, drives=(), name="arm", pa
         J += mass * (cm.dot(cm) * sp.eye(3) - cm * cm.T)
         placed.append(Body(mass, tuple(mass * cm), as_tuples(J)))
     R, p = after(rows[-1]) if convention == "dh" else (sp.eye(3), sp.zeros(3, 1))
-    tip = Placement(as_tuples(R), tuple(p))
-    return Model(name, tuple(joints), tuple(placed), tuple(gravity), tip)
+    tip = Frame("tip", count - 1, Placement(as_tuples(R), tuple(p)))
+    return Model(name, tuple(joints), tuple(placed), tuple(gravity), (tip,))
 
 
 def after(row):

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from arms import numeric, reference_model, reference_states, sincos
 from exact import exact_arm, exact_state, rational
+from recursion import inverse_dynamics
 
-from moro.algorithms.newton_euler import inverse_dynamics
 from moro.closed_form import ClosedForm
 from moro.dual import DualRing
 from moro.model import Model
@@ -68,12 +68,12 @@ def reference_case(name):
 def by_formulas(robot, q):
     """Jacobian sums and Christoffel symbols of a robot at q (n, samples), not in closed form."""
     ring = DualRing(robot.qs, dict(zip(robot.qs, q, strict=True)))
-    return ClosedForm(robot.arm, ring), ring
+    return ClosedForm(robot.model(), ring), ring
 
 
 def numbers(rows):
     """Values of a vector or a matrix over DualRing, samples last."""
-    if isinstance(rows[0], list):
+    if isinstance(rows[0], (list, tuple)):
         return np.array([[x.value for x in row] for row in rows])
     return np.array([x.value for x in rows])
 

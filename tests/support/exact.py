@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from moro.model import Body, Joint, Model, Placement
+from moro.model import PRISMATIC, REVOLUTE, Body, Frame, Joint, Model, Placement
 from moro_codegen.graph import schedule
 
 
@@ -71,16 +71,16 @@ def exact_arm(rng, n, tree=False):
     joints, bodies, points = [], [], []
     for i in range(n):
         parent = int(rng.integers(-1, i)) if tree else i - 1
-        kind = "revolute" if rng.random() < 0.7 else "prismatic"
+        kind = REVOLUTE if rng.random() < 0.7 else PRISMATIC
         R = rotation(rng)
         if rng.random() < 0.5:
             R = tuple(tuple(Fraction(x) for x in row) for row in [(1, 0, 0), (0, 0, -1), (0, 1, 0)])
-        offset = rational(rng) if kind == "prismatic" else 0
+        offset = rational(rng) if kind == PRISMATIC else 0
         joints.append(Joint(kind, parent, Placement(R, vector(rng)), offset))
         points.append([(abs(rational(rng)), vector(rng)) for _ in range(rng.integers(0, 5))])
         bodies.append(body(points[-1]))
-    tip = Placement(rotation(rng), vector(rng))
-    return Model("exact", tuple(joints), tuple(bodies), vector(rng), tip), points
+    tip = Frame("tip", n - 1, Placement(rotation(rng), vector(rng)))
+    return Model("exact", tuple(joints), tuple(bodies), vector(rng), (tip,)), points
 
 
 def body(points):
@@ -150,7 +150,7 @@ def _in_base(model, i, r, paths):
     """Return the position in the base of a point of body i."""
     while i >= 0:
         joint, (sin, cos, q), (x, y, z) = model.joints[i], paths[i], r
-        if joint.kind == "revolute":
+        if joint.type == REVOLUTE:
             x, y = cos * x - sin * y, sin * x + cos * y
         else:
             z = z + q + joint.offset

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from moro.model import Body, Joint, Model, Placement
+from moro.model import REVOLUTE, Body, Joint, Model, Placement
 from moro_codegen.functions import Argument, Function, System
 from moro_codegen.generate import Parameter, Program, routine
 from moro_codegen.graph import Graph
@@ -13,12 +13,12 @@ from moro_codegen.graph import Graph
 EYE = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
 
-def bare_model(n, kind="revolute"):
+def bare_model(n, kind=REVOLUTE):
     """A model with n joints and nothing else: enough for functions that do not ask it."""
     place = Placement(EYE, (0, 0, 0))
     joints = tuple(Joint(kind, i - 1, place) for i in range(n))
     bodies = tuple(Body(0, (0, 0, 0), ((0, 0, 0),) * 3) for _ in range(n))
-    return Model("bare", joints, bodies, (0, 0, 0), place)
+    return Model("bare", joints, bodies, (0, 0, 0))
 
 
 def program(*functions, dof=3, parameters=(), name="hand_made"):

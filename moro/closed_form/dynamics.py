@@ -1,56 +1,47 @@
-"""The dynamics of an arm by the formulas of the texts, over any scalar.
+"""The dynamics of a model by the formulas of the texts, over any scalar.
 
 Two routes, independent of each other:
 
 - Jacobians: M = sum of m Jv^T Jv + Jw^T R I R^T Jw, the Christoffel symbols of M, G = grad P;
 - energies: K from the velocities of the links, P from their heights, then Euler-Lagrange.
 
-Each link's terms are taken in the frame where they are shortest, its home segment (``chain``): dot
-products do not depend on the frame. Over ``TrigRing`` the results are closed forms; over
+Each link's terms are taken in the axes where they are shortest, its home segment's (``geometry``):
+dot products do not depend on the axes. Over ``TrigRing`` the results are closed forms; over
 ``DualRing`` they are numbers. Joints and links are counted from 0 here.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
 
-from moro.chain import Chain, Mat, Row, Scalar, Vec, cross, dot
-
-
-@dataclass(frozen=True)
-class Arm:
-    """An arm as it is given: SymPy values throughout. What is not set is None."""
-
-    rows: tuple[Row, ...]
-    convention: str
-    masses: tuple[Any, ...] | None = None
-    #: r_Ci in frame i
-    cm_positions: tuple[tuple[Any, ...], ...] | None = None
-    #: I_Ci in the axes of frame i
-    inertia_tensors: tuple[tuple[tuple[Any, ...], ...], ...] | None = None
-    #: in frame 0
-    gravity: tuple[Any, ...] | None = None
-    rotor_inertias: tuple[Any, ...] | None = None
+from moro.closed_form.geometry import Geometry
+from moro.model import Model
+from moro.spatial.vectors import Matrix, Scalar, Vector, add, cross, dot, scaled, times
 
 
 class ClosedForm:
-    """M, Christoffel symbols, C, G, energies and Euler-Lagrange equations of an arm over a ring."""
+    """M, Christoffel symbols, C, G, energies and Euler-Lagrange equations of a model over a ring.
 
-    def __init__(self, arm: Arm, ring: Any):
-        self.arm = arm
+    ``declare`` is False for a ring that knows the model's angles.
+    """
+
+    def __init__(self, model: Model, ring: Any, declare: bool = True):
+        self.model = model
         self.ring = ring
-        self.chain = Chain(arm.rows, arm.convention, ring)
-        self.n = len(arm.rows)
-        self.qs = [row.variable for row in arm.rows]
+        self.geometry = Geometry(model, ring, declare)
+        self.n = model.dof
+        self.qs = model.qs
 
     # -- the Jacobian route -----------------------------------------------------------------------
 
     @cached_property
     def inertia_matrix(self) -> list[list[Scalar]]:
-        """M = sum over links of m Jv^T Jv + Jw^T R I R^T Jw, rotor inertias on the diagonal."""
+        """M = sum of Jv^T (m Jv + Jw x h) + Jw^T (J Jw + h x Jv), rotors on its diagonal.
+
+        Jv is of the origin of the link's frame, about which h is the first moment and J the tensor.
+        """
         M = [[self.ring.zero] * self.n for _ in range(self.n)]
         for i in range(self.n):
             self._add_link_inertia(M, i)
@@ -61,18 +52,13 @@ class ClosedForm:
         return M
 
     def _add_link_inertia(self, M: list[list[Scalar]], i: int) -> None:
-        m, I = self._mass(i), self._inertia(i)
-        for j, Jv, Jw in (columns := list(self._columns(i))):
-            p = [m * x for x in Jv]
-            L = [dot(row, Jw) for row in I]
-            for k, Jv_k, Jw_k in columns:
+        m, h, J = self._mass(i), self._first_moment(i), self._inertia(i)
+        columns = [(k, v, w, self.geometry.in_link(i, w)) for k, v, w in self.geometry.columns(i)]
+        for j, v, w, w_link in columns:
+            p, L, L_link = add(scaled(m, v), cross(w, h)), cross(h, v), times(J, w_link)
+            for k, v_k, w_k, w_link_k in columns:
                 if k <= j:
-                    M[j][k] = M[j][k] + dot(p, Jv_k) + dot(L, Jw_k)
-
-    def _columns(self, i: int) -> Any:
-        """Jacobian columns of centre of mass i: linear in the home segment, angular in the link."""
-        for k, Jv, Jw in self.chain.jacobian_columns(i, self._cm(i)):
-            yield k, Jv, self.chain.in_link(i, Jw)
+                    M[j][k] = M[j][k] + dot(p, v_k) + dot(L, w_k) + dot(L_link, w_link_k)
 
     @cache  # noqa: B019 - lives as long as the arm's results are wanted
     def dM(self, i: int, j: int, k: int) -> Scalar:
@@ -112,20 +98,21 @@ class ClosedForm:
 
     @cached_property
     def potential_energies(self) -> list[Scalar]:
-        """P_i = -m_i g . r_Ci."""
-        energies = []
-        for i, (height, g) in enumerate(self.chain.along(self._gravity)):
-            energies.append(-(self._mass(i) * (height + dot(g, self._cm(i)))))
-        return energies
+        """P_i = -g . (m_i r_i + h_i), which is -m_i g . r_Ci."""
+        heights = self.geometry.along(self._gravity)
+        return [
+            -(self._mass(i) * height + dot(g, self._first_moment(i)))
+            for i, (height, g) in enumerate(heights)
+        ]
 
     def kinetic_energies(self, qd: Sequence[Scalar]) -> list[Scalar]:
-        """K_i = 1/2 m_i v_Ci . v_Ci + 1/2 w_i . (R I R^T) w_i."""
+        """K_i = 1/2 m_i v_i . v_i + h_i . (v_i x w_i) + 1/2 w_i . J_i w_i."""
         energies = []
-        for i, (v, w) in enumerate(self.chain.velocities(qd)):
-            v = [x + y for x, y in zip(v, cross(w, self._cm(i)), strict=True)]
-            w = self.chain.in_link(i, w)
-            Iw = [dot(row, w) for row in self._inertia(i)]
-            energies.append((self._mass(i) * dot(v, v) + dot(w, Iw)) * self.ring.half)
+        for i, (v, w) in enumerate(self.geometry.velocities(qd)):
+            mixed = dot(self._first_moment(i), cross(v, w))
+            w = self.geometry.in_link(i, w)
+            squares = self._mass(i) * dot(v, v) + dot(w, times(self._inertia(i), w))
+            energies.append(squares * self.ring.half + mixed)
         return energies
 
     def rotor_energy(self, qd: Sequence[Scalar]) -> Scalar:
@@ -153,30 +140,26 @@ class ClosedForm:
     # -- what is given, as scalars of the ring ----------------------------------------------------
 
     def _mass(self, i: int) -> Scalar:
-        return self.ring.convert(given(self.arm.masses)[i])
+        return self.ring.convert(self.model.bodies[i].mass)
 
-    def _cm(self, i: int) -> Vec:
-        return self.chain.point(i, [self.ring.convert(x) for x in given(self.arm.cm_positions)[i]])
+    def _first_moment(self, i: int) -> Vector:
+        """Return the first moment of link i, in the axes of its home segment."""
+        return self.geometry.in_home(i, self._vector(self.model.bodies[i].first_moment))
 
-    def _inertia(self, i: int) -> Mat:
-        tensor = given(self.arm.inertia_tensors)[i]
-        return self.chain.tensor(i, [[self.ring.convert(x) for x in row] for row in tensor])
+    def _inertia(self, i: int) -> Matrix:
+        x, y, z = map(self._vector, self.model.bodies[i].inertia)
+        return x, y, z
 
     @cached_property
-    def _gravity(self) -> Vec:
-        return [self.ring.convert(x) for x in given(self.arm.gravity)]
+    def _gravity(self) -> Vector:
+        return self._vector(self.model.gravity)
 
     def _rotor_inertia(self, i: int) -> Scalar:
-        if self.arm.rotor_inertias is None:
-            return self.ring.zero
-        return self.ring.convert(self.arm.rotor_inertias[i])
+        return self.ring.convert(self.model.joints[i].rotor_inertia)
+
+    def _vector(self, v: Vector) -> Vector:
+        x, y, z = map(self.ring.convert, v)
+        return x, y, z
 
     def _sum(self, scalars: Any) -> Scalar:
         return sum(scalars, self.ring.zero)
-
-
-def given(values: Any) -> Any:
-    """Return ``values``; Robot has told the user before if they are not set."""
-    if values is None:
-        raise ValueError("masses, centres of mass, inertia tensors and gravity must be set first")
-    return values

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
-from moro.model import Matrix, Scalar, Vector
+from typing import Any, TypeAlias
+
+Scalar: TypeAlias = Any
+Vector: TypeAlias = tuple[Scalar, Scalar, Scalar]
+Matrix: TypeAlias = tuple[Vector, Vector, Vector]
 
 
 def add(u: Vector, v: Vector) -> Vector:
     """Return u + v."""
     return u[0] + v[0], u[1] + v[1], u[2] + v[2]
+
+
+def difference_of(u: Vector, v: Vector) -> Vector:
+    """Return u - v."""
+    return u[0] - v[0], u[1] - v[1], u[2] - v[2]
 
 
 def scaled(factor: Scalar, v: Vector) -> Vector:

@@ -1,0 +1,412 @@
+"""The geometry of a model over any ring: frames, joint axes, Jacobians, velocities.
+
+On the way from the base to a link there are elementary motions: shifts, turns about z, turns about
+x. Joints with parallel axes have no turn about x between them (or half a turn), so their turns
+about z simply add up: such a stretch of the way is a *segment*. Its frame is the orientation before
+its first joint turns; in it the links of the stretch are described by the sums of their angles, q2
+and q2 + q3. This is what keeps closed forms short. On a tree, segments branch like the joints.
+
+The scalars come from a ring: ``TrigRing`` for closed forms, ``DualRing`` for numbers and their
+derivatives. Joints and links are counted from 0; -1 is the base.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import sympy as sp
+
+from moro.model import Frame, Joint, Model, Rotation, Shift, Turn
+from moro.spatial.motion import Velocity
+from moro.spatial.vectors import (
+    Matrix,
+    Scalar,
+    Vector,
+    add,
+    cross,
+    difference_of,
+    dot,
+    product,
+    times,
+    transpose,
+)
+
+#: (rotation, position) of a frame
+Pose: TypeAlias = "tuple[Matrix, Vector]"
+
+#: of a segment: (joint variable, basic angle) of the joints that turn in it, and which of these
+#: angles each adds to (-1: none)
+_Group: TypeAlias = "tuple[list[tuple[Any, Any]], list[int]]"
+
+_ZERO = sp.Integer(0)
+
+
+@dataclass(frozen=True)
+class _Orientation:
+    """Rz(angle) Rx(tilt) R; ``R`` is there for what is no turn about x."""
+
+    angle: Any = _ZERO
+    tilt: Any = _ZERO
+    R: Matrix | None = None
+
+
+@dataclass(frozen=True)
+class _Segment:
+    """A stretch of parallel joints: how its frame is turned in that of the segment before."""
+
+    before: int
+    entry: _Orientation
+
+
+@dataclass(frozen=True)
+class _Step:
+    """A shift by ``p`` in axes that are turned by ``turned`` in those of a segment."""
+
+    segment: int
+    turned: _Orientation
+    p: Vector
+
+
+@dataclass(frozen=True)
+class _Axis:
+    """Joint k moves: about or along ``sign`` times the z axis of its segment."""
+
+    segment: int
+    joint: int
+    sign: int
+
+
+@dataclass(frozen=True)
+class _Place:
+    """How a frame is turned in a segment: Rz(angle), and half a turn about x if ``flipped``."""
+
+    segment: int = 0
+    angle: Any = _ZERO
+    flipped: bool = False
+    #: of its segment's basic angles, the one that the next joint's adds to; -1: none yet
+    basic: int = -1
+
+    @property
+    def sign(self) -> int:
+        """1 if the frame's z axis is that of the segment, else -1."""
+        return -1 if self.flipped else 1
+
+    @property
+    def turned(self) -> _Orientation:
+        return _Orientation(self.angle, sp.pi if self.flipped else _ZERO)
+
+
+class Geometry:
+    """The geometry of a model over the scalars of ``ring``.
+
+    The model's joints declare their angles to the ring, unless ``declare`` is False, for a ring
+    that knows them.
+    """
+
+    def __init__(self, model: Model, ring: Any, declare: bool = True):
+        self.model = model
+        self.ring = ring
+        walk = _walk(model)
+        self._places, self._ways, self._segments = walk.places, walk.ways, walk.segments
+        for group, before in walk.groups if declare else ():
+            if group:
+                ring.declare_angles(group, before)
+
+    # -- in frame 0 -------------------------------------------------------------------------------
+
+    def pose(self, frame: Frame) -> Pose:
+        """Return rotation and position of a frame in frame 0."""
+        R, p = self._in_segment(frame)
+        Q = self._segment_rotations[self._home(frame.link).segment]
+        return product(Q, R), add(self.origin(frame.link), times(Q, p))
+
+    def relative(self, frame: Frame, reference: Frame) -> Pose:
+        """Return rotation and position of a frame in another, by way of the last common link."""
+        common = self._last_common(frame.link, reference.link)
+        (A, a), (B, b) = (self._from(common, x) for x in (frame, reference))
+        inverse = transpose(B)
+        return product(inverse, A), times(inverse, difference_of(a, b))
+
+    def origin(self, i: int) -> Vector:
+        """Return the position of a link's frame in frame 0."""
+        return self._positions[0][i] if i >= 0 else self._nowhere
+
+    @property
+    def anchors(self) -> list[Vector]:
+        """A point on each joint's axis, in frame 0."""
+        return self._positions[1]
+
+    @cached_property
+    def axes(self) -> list[Vector]:
+        """Direction of each joint's axis in frame 0."""
+        found = []
+        for axis in self._axes:
+            z = transpose(self._segment_rotations[axis.segment])[2]
+            found.append((z[0] * axis.sign, z[1] * axis.sign, z[2] * axis.sign))
+        return found
+
+    def jacobian(self, frame: Frame, r: Vector) -> list[list[Scalar]]:
+        """Return the columns (linear, angular) of all joints for a point given in a frame."""
+        R, p = self.pose(frame)
+        point, zero = add(p, times(R, r)), self.ring.zero
+        columns = [[zero] * 6 for _ in self.model.joints]
+        for k in self._carrying(frame.link):
+            arm = difference_of(point, self.anchors[k])
+            linear, angular = self.model.joints[k].type.column(self.axes[k], arm)
+            columns[k] = [*linear, *angular]
+        return columns
+
+    @cached_property
+    def _segment_rotations(self) -> list[Matrix]:
+        """Rotation of each segment's frame in frame 0."""
+        rotations = [self._rotation(self._segments[0].entry)]
+        for segment in self._segments[1:]:
+            rotations.append(product(rotations[segment.before], self._rotation(segment.entry)))
+        return rotations
+
+    @cached_property
+    def _positions(self) -> tuple[list[Vector], list[Vector]]:
+        """Positions in frame 0 of the links' frames, and of a point on each joint's axis."""
+        origins: list[Vector] = []
+        anchors: list[Vector] = []
+        for joint, way in zip(self.model.joints, self._ways, strict=True):
+            r = origins[joint.parent] if joint.parent >= 0 else self._nowhere
+            for item in way:
+                if isinstance(item, _Axis):
+                    anchors.append(r)
+                else:
+                    r = add(r, times(self._segment_rotations[item.segment], self._shift(item)))
+            origins.append(r)
+        return origins, anchors
+
+    # -- in the links' home segments --------------------------------------------------------------
+
+    def in_link(self, i: int, v: Vector) -> Vector:
+        """Return a vector of link i's home segment, in the axes of link i."""
+        return times(transpose(self._rotation(self._home(i).turned)), v)
+
+    def in_home(self, i: int, v: Vector) -> Vector:
+        """Return a vector in the axes of link i, in those of its home segment."""
+        return times(self._rotation(self._home(i).turned), v)
+
+    def columns(self, i: int) -> Iterator[tuple[int, Vector, Vector]]:
+        """Yield (k, v, omega) for the joints k that move link i, per unit of their rates.
+
+        v is of the origin of the link's frame; both in the axes of the link's home segment.
+        """
+        r, Q, segment = self._nowhere, self._identity, self._home(i).segment
+        for link in self._carrying(i):
+            for item in reversed(self._ways[link]):
+                while item.segment != segment:
+                    Q = product(Q, transpose(self._rotation(self._segments[segment].entry)))
+                    segment = self._segments[segment].before
+                if isinstance(item, _Axis):
+                    x, y, z = transpose(Q)[2]
+                    axis = x * item.sign, y * item.sign, z * item.sign
+                    yield item.joint, *self.model.joints[item.joint].type.column(axis, r)
+                else:
+                    r = add(r, times(Q, self._shift(item)))
+
+    def velocities(self, qd: Sequence[Scalar]) -> Iterator[tuple[Vector, Vector]]:
+        """Yield (v, omega) of each link's frame, in the axes of its home segment."""
+        found: list[tuple[Vector, Vector]] = []
+        for joint, way in zip(self.model.joints, self._ways, strict=True):
+            still = self._nowhere, self._nowhere
+            v, w = found[joint.parent] if joint.parent >= 0 else still
+            segment = self._home(joint.parent).segment
+            for item in way:
+                v, w = (self._into(item.segment, u, segment) for u in (v, w))
+                segment = item.segment
+                if isinstance(item, _Axis):
+                    rate = qd[item.joint] * item.sign
+                    w, v = joint.type.moved(Velocity(w, v), rate)
+                else:
+                    v = add(v, cross(w, self._shift(item)))
+            found.append((v, w))
+            yield v, w
+
+    def along(self, u: Vector) -> Iterator[tuple[Scalar, Vector]]:
+        """Yield (u . r, u) for each link: r the origin of its frame, u in its home segment's axes.
+
+        ``u`` is given in frame 0. Heights need no more than this.
+        """
+        found: list[tuple[Scalar, Vector]] = []
+        for joint, way in zip(self.model.joints, self._ways, strict=True):
+            height, v = found[joint.parent] if joint.parent >= 0 else (self.ring.zero, u)
+            segment = self._home(joint.parent).segment
+            for item in way:
+                v = self._into(item.segment, v, segment)
+                segment = item.segment
+                if isinstance(item, _Step):
+                    height = height + dot(v, self._shift(item))
+            found.append((height, v))
+            yield height, v
+
+    # -- elements ---------------------------------------------------------------------------------
+
+    def _home(self, i: int) -> _Place:
+        return self._places[i] if i >= 0 else _Place()
+
+    def _carrying(self, i: int) -> Iterator[int]:
+        """Yield link i and the links that carry it."""
+        if i >= 0:
+            yield i
+            yield from self.model.ancestors(i)
+
+    def _last_common(self, i: int, j: int) -> int:
+        """Return the last link that carries, or is, both of two links."""
+        carrying = {-1, *self._carrying(i)}
+        return next(k for k in (*self._carrying(j), -1) if k in carrying)
+
+    @cached_property
+    def _axes(self) -> list[_Axis]:
+        return [item for way in self._ways for item in way if isinstance(item, _Axis)]
+
+    def _in_segment(self, frame: Frame) -> Pose:
+        """Return where a frame is from its link's origin, in the axes of the home segment."""
+        R, p = self._rotation(self._home(frame.link).turned), self._nowhere
+        for step in frame.placement.steps:
+            if isinstance(step, Shift):
+                p = add(p, times(R, self._vector(step.p)))
+            else:
+                R = product(R, self._turn(step))
+        return R, p
+
+    def _from(self, link: int, frame: Frame) -> Pose:
+        """Return where a frame is from a link that carries it, in the axes of its home segment."""
+        Q, r, segment = self._identity, self._nowhere, self._home(link).segment
+        upto = set(self._carrying(link))
+        for k in reversed([k for k in self._carrying(frame.link) if k not in upto]):
+            for item in self._ways[k]:
+                for entry in self._between(segment, item.segment):
+                    Q = product(Q, self._rotation(entry))
+                segment = item.segment
+                if isinstance(item, _Step):
+                    r = add(r, times(Q, self._shift(item)))
+        R, p = self._in_segment(frame)
+        return product(Q, R), add(r, times(Q, p))
+
+    def _between(self, before: int, segment: int) -> list[_Orientation]:
+        """Return the entries of the segments on the way from one to another."""
+        entries = []
+        while segment != before:
+            entries.append(self._segments[segment].entry)
+            segment = self._segments[segment].before
+        return entries[::-1]
+
+    def _into(self, segment: int, u: Vector, before: int) -> Vector:
+        """Return vector u of segment ``before`` in the axes of a segment further along."""
+        for entry in self._between(before, segment):
+            u = times(transpose(self._rotation(entry)), u)
+        return u
+
+    def _rotation(self, turned: _Orientation) -> Matrix:
+        """Rz(angle) Rx(tilt) R."""
+        s, c = self.ring.sincos(turned.angle)
+        st, ct = self.ring.sincos(turned.tilt)
+        zero = self.ring.zero
+        R = (c, -s * ct, s * st), (s, c * ct, -c * st), (zero, st, ct)
+        return R if turned.R is None else product(R, self._matrix(turned.R))
+
+    def _turn(self, step: Turn | Rotation) -> Matrix:
+        if isinstance(step, Rotation):
+            return self._matrix(step.R)
+        angle, tilt = (step.angle, _ZERO) if step.axis == "z" else (_ZERO, step.angle)
+        return self._rotation(_Orientation(angle, tilt))
+
+    def _shift(self, step: _Step) -> Vector:
+        """Return a shift in the axes of its segment."""
+        x, y, z = (self.ring.convert(component) for component in step.p)
+        s, c = self.ring.sincos(step.turned.angle)
+        if step.turned.tilt != 0:
+            y, z = -y, -z
+        return c * x - s * y, s * x + c * y, z
+
+    def _vector(self, v: Vector) -> Vector:
+        x, y, z = map(self.ring.convert, v)
+        return x, y, z
+
+    def _matrix(self, R: Matrix) -> Matrix:
+        x, y, z = map(self._vector, R)
+        return x, y, z
+
+    @cached_property
+    def _nowhere(self) -> Vector:
+        return (self.ring.zero,) * 3
+
+    @cached_property
+    def _identity(self) -> Matrix:
+        zero, one = self.ring.zero, self.ring.one
+        return (one, zero, zero), (zero, one, zero), (zero, zero, one)
+
+
+@dataclass
+class _Walk:
+    """The elementary motions of a model as they are gone through, link by link."""
+
+    segments: list[_Segment] = field(default_factory=lambda: [_Segment(-1, _Orientation())])
+    groups: list[_Group] = field(default_factory=lambda: [([], [])])
+    #: of each link: where its frame is, and the way there from the frame of its parent
+    places: list[_Place] = field(default_factory=list)
+    ways: list[list[_Step | _Axis]] = field(default_factory=list)
+
+    def joint(self, k: int, joint: Joint, variable: Any) -> None:
+        """Go from the frame of the parent of joint k to that of its link."""
+        place = self.places[joint.parent] if joint.parent >= 0 else _Place()
+        way: list[_Step | _Axis] = []
+        for step in joint.placement.steps:
+            if isinstance(step, Shift):
+                self._shift(way, place, step.p)
+            elif isinstance(step, Turn) and step.axis == "z":
+                place = replace(place, angle=sp.expand(place.angle + place.sign * step.angle))
+            else:
+                place = self._tilted(place, step)
+        way.append(_Axis(place.segment, k, place.sign))
+        turn, slide = joint.type.displacement(joint.offset + variable)
+        if turn != 0:
+            place = self._turned(place, variable, turn)
+        self._shift(way, place, (_ZERO, _ZERO, slide))
+        self.places.append(place)
+        self.ways.append(way)
+
+    def _shift(self, way: list[_Step | _Axis], place: _Place, p: Vector) -> None:
+        if any(x != 0 for x in p):
+            way.append(_Step(place.segment, place.turned, p))
+
+    def _turned(self, place: _Place, variable: Any, turn: Any) -> _Place:
+        """Return the place after a joint's turn; its angle, or sum of angles, is basic."""
+        angle = sp.expand(place.angle + place.sign * turn)
+        angles, before = self.groups[place.segment]
+        angles.append((variable, _without_quarter_turns(angle)))
+        before.append(place.basic)
+        return replace(place, angle=angle, basic=len(angles) - 1)
+
+    def _tilted(self, place: _Place, step: Turn | Rotation) -> _Place:
+        """Return the place after a turn about x or any other: in a new segment, or flipped."""
+        if isinstance(step, Rotation):
+            entry = replace(place.turned, R=step.R)
+        else:
+            half_turns = step.angle / sp.pi
+            if half_turns.is_Integer:
+                return replace(place, flipped=place.flipped ^ bool(half_turns % 2))
+            entry = replace(place.turned, tilt=place.turned.tilt + step.angle)
+        self.segments.append(_Segment(place.segment, entry))
+        self.groups.append(([], []))
+        return _Place(len(self.segments) - 1)
+
+
+def _walk(model: Model) -> _Walk:
+    walk = _Walk()
+    for k, (joint, variable) in enumerate(zip(model.joints, model.qs, strict=True)):
+        walk.joint(k, joint, variable)
+    return walk
+
+
+def _without_quarter_turns(angle: Any) -> Any:
+    """Return ``angle`` less its part in multiples of pi/2, which costs nothing in sin and cos."""
+    number = sum((p for p in sp.Add.make_args(angle) if p.is_number), sp.Integer(0))
+    rest = angle - number
+    return rest if (2 * number / sp.pi).is_Integer else rest + number

@@ -1,0 +1,27 @@
+"""The model: the one meeting point of readers and algorithms.
+
+joint_types   what a joint does to a posture, a velocity, a wrench: one class a type
+placement     constant poses, as the elementary motions that they are given by
+model         joints, bodies, frames
+"""
+
+from moro.model.joint_types import JOINT_TYPES, PRISMATIC, REVOLUTE, JointType, Prismatic, Revolute
+from moro.model.model import Body, Frame, Joint, Model
+from moro.model.placement import Placement, Rotation, Shift, Turn
+
+__all__ = [
+    "JOINT_TYPES",
+    "PRISMATIC",
+    "REVOLUTE",
+    "Body",
+    "Frame",
+    "Joint",
+    "JointType",
+    "Model",
+    "Placement",
+    "Prismatic",
+    "Revolute",
+    "Rotation",
+    "Shift",
+    "Turn",
+]
