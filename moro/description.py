@@ -418,7 +418,7 @@ class Description:
             self._joint_limits or nothing,
         )
         return [
-            LinkData(row.kind == "r", row.a, row.alpha, row.d, row.theta, *rest)
+            LinkData(row.type.is_angle, row.a, row.alpha, row.d, row.theta, *rest)
             for row, *rest in zip(*columns, strict=True)
         ]
 
