@@ -10,8 +10,9 @@ import sympy as sp
 
 from moro import checks, given
 from moro.abc import t
+from moro.arm import Arm
 from moro.callers import outside
-from moro.from_dh import Arm, model_from_dh
+from moro.from_dh import model_from_dh
 from moro.meant import elsewhere, meant
 from moro.model import Model
 from moro.notation import Notation
@@ -19,9 +20,6 @@ from moro.plain import natural, prefers_decimals
 from moro.plausibility import LinkData, Remark, is_unremarked, remarks, unremarked
 from moro.rows import given_rows, read_convention, read_rows
 from moro.tables import Table
-
-_REVOLUTE_LIMITS = (-sp.pi, sp.pi)
-_PRISMATIC_LIMITS = (sp.Integer(0), sp.Integer(1000))
 
 _Self = TypeVar("_Self", bound="Description")
 
@@ -123,7 +121,7 @@ class Description:
 
         Set None instead of all pairs, or of one, where there are none.
         """
-        assumed = [_REVOLUTE_LIMITS if x.type.is_angle else _PRISMATIC_LIMITS for x in self._rows]
+        assumed = [row.type.assumed_limits for row in self._rows]
         limits = self._given.get("joint_limits") or [None] * self.dof
         return [own or other for own, other in zip(limits, assumed, strict=True)]
 
@@ -332,8 +330,8 @@ class Description:
         return Table(("quantity", "state", "value"), rows)
 
     def model(self) -> Model:
-        """Return the arm as the recursive algorithms read it (``moro.model``)."""
-        return model_from_dh(self.name, self.arm)
+        """Return the arm as all algorithms read it (``moro.model``)."""
+        return model_from_dh(self.name, self.arm, self.parameters)
 
     @property
     def arm(self) -> Arm:
@@ -348,6 +346,7 @@ class Description:
             self._rotor_inertias,
             self._viscous_friction,
             self._coulomb_friction,
+            self._joint_limits,
         )
 
     def __repr__(self) -> str:

@@ -8,13 +8,15 @@ Khalil's: z along the joint, x along the common normal to the joint after it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
 from typing import Any
 
 import sympy as sp
 
-from moro.model import Body, Frame, Joint, JointType, Model, Placement, Shift, Turn
+from moro.arm import Arm, Row
+from moro.meanings import meanings
+from moro.model import Body, Frame, Joint, Model, Parameter, Placement, Shift, Turn
 from moro.model.placement import Step
 from moro.spatial.vectors import (
     Matrix,
@@ -31,44 +33,13 @@ from moro.spatial.vectors import (
 _ZERO = sp.Integer(0)
 
 
-@dataclass(frozen=True)
-class Row:
-    """One row of a DH table: SymPy constants, and the joint variable added to one of them.
-
-    The variable adds to ``theta`` of a joint that turns, and to ``d`` of one that slides.
-    """
-
-    a: Any
-    alpha: Any
-    d: Any
-    theta: Any
-    variable: Any
-    type: JointType
-
-
-@dataclass(frozen=True)
-class Arm:
-    """An arm as it is given: SymPy values throughout. What is not set is None."""
-
-    rows: tuple[Row, ...]
-    convention: str
-    masses: tuple[Any, ...] | None = None
-    #: r_Ci in frame i
-    cm_positions: tuple[tuple[Any, ...], ...] | None = None
-    #: I_Ci in the axes of frame i
-    inertia_tensors: tuple[tuple[tuple[Any, ...], ...], ...] | None = None
-    #: in frame 0
-    gravity: tuple[Any, ...] | None = None
-    rotor_inertias: tuple[Any, ...] | None = None
-    viscous_friction: tuple[Any, ...] | None = None
-    coulomb_friction: tuple[tuple[Any, Any], ...] | None = None
-
-
-def model_from_dh(name: str, arm: Arm) -> Model:
+def model_from_dh(name: str, arm: Arm, defaults: Mapping[Any, Any]) -> Model:
     """Return the tree that the algorithms read, with the arm's own SymPy scalars.
 
-    What is not set is zero. Frames are called 1, 2, .. n.
+    What is not set is zero. Frames are called 1, 2, .. n. ``defaults`` are those of all symbols of
+    the arm (None: no default).
     """
+    where = meanings(arm)
     gx, gy, gz = arm.gravity or (_ZERO,) * 3
     return Model(
         name,
@@ -76,7 +47,9 @@ def model_from_dh(name: str, arm: Arm) -> Model:
         tuple(_body(arm, i) for i in range(len(arm.rows))),
         (gx, gy, gz),
         tuple(Frame(str(i + 1), i, frame_in_link(arm, i)) for i in range(len(arm.rows))),
+        tuple(Parameter(s, x, where.get(str(s), "")) for s, x in defaults.items()),
         frozenset(field.name for field in fields(arm) if getattr(arm, field.name) is None),
+        arm.convention,
     )
 
 
@@ -103,6 +76,7 @@ def _joint(arm: Arm, i: int) -> Joint:
         viscous[i] if viscous else _ZERO,
         (forwards, backwards),
         row.variable,
+        arm.joint_limits[i] if arm.joint_limits else None,
     )
 
 

@@ -10,7 +10,7 @@ from sympy.core.function import AppliedUndef
 
 from moro import checks
 from moro.abc import t
-from moro.from_dh import Row
+from moro.arm import Row
 from moro.model import PRISMATIC, REVOLUTE, JointType
 
 #: what the types of joints are called in a row

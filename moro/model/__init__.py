@@ -6,7 +6,7 @@ model         joints, bodies, frames
 """
 
 from moro.model.joint_types import JOINT_TYPES, PRISMATIC, REVOLUTE, JointType, Prismatic, Revolute
-from moro.model.model import Body, Frame, Joint, Model
+from moro.model.model import Body, Frame, Joint, Model, Parameter
 from moro.model.placement import Placement, Rotation, Shift, Turn
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "Joint",
     "JointType",
     "Model",
+    "Parameter",
     "Placement",
     "Prismatic",
     "Revolute",

@@ -10,6 +10,8 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
+import sympy as sp
+
 from moro.spatial.moments import Moments
 from moro.spatial.motion import Motion, Velocity, Wrench
 from moro.spatial.transform import Transform
@@ -42,6 +44,8 @@ class JointType(ABC):
     #: components of q and of qd
     nq: ClassVar[int] = 1
     nv: ClassVar[int] = 1
+    #: (lower, upper) where none are given
+    assumed_limits: ClassVar[tuple[Scalar, Scalar]]
     #: inertial parameters of the link that do not change when the joint moves, as if they were
     #: fixed to the parent; of a link that turns they belong to a rod on the axis
     carried: ClassVar[tuple[str, ...]]
@@ -124,6 +128,7 @@ class Revolute(JointType):
     letter = "r"
     unit = "rad"
     effort = "N m"
+    assumed_limits = (-sp.pi, sp.pi)
     carried = ("YY", "MZ", "M")
     fixes_axis = True
 
@@ -213,6 +218,7 @@ class Prismatic(JointType):
     letter = "p"
     unit = "m"
     effort = "N"
+    assumed_limits = (sp.Integer(0), sp.Integer(1000))
     carried = ("XX", "XY", "XZ", "YY", "YZ", "ZZ")
 
     def displacement(self, x: Scalar) -> tuple[Scalar, Scalar]:

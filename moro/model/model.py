@@ -38,6 +38,13 @@ class Joint:
     coulomb: tuple[Scalar, Scalar] = (0, 0)
     #: q_i as closed forms write it; by default q_i(t) of ``moro.abc``
     variable: Any = None
+    #: (lower, upper) of q_i [rad or m]; None where none are given
+    limits: tuple[Scalar, Scalar] | None = None
+
+    @property
+    def range(self) -> tuple[Scalar, Scalar]:
+        """The limits, or those that are assumed for joints of its type."""
+        return self.type.assumed_limits if self.limits is None else self.limits
 
 
 @dataclass(frozen=True)
@@ -70,6 +77,17 @@ class Frame:
 
 
 @dataclass(frozen=True)
+class Parameter:
+    """A symbol that a model leaves free: its number is given at run time."""
+
+    symbol: Any
+    #: its number, if no other is given; None: one has to be given
+    default: Any = None
+    #: what it is of the robot: "mass of link 2"
+    meaning: str = ""
+
+
+@dataclass(frozen=True)
 class Model:
     """A robot as the algorithms read it; joint i carries body i, and parents come first."""
 
@@ -80,8 +98,12 @@ class Model:
     gravity: Vector
     #: the last is the tip: what functions speak of that name no frame; by default the last joint's
     frames: tuple[Frame, ...] = ()
+    #: the symbols among the scalars, in the order in which kernels take them
+    parameters: tuple[Parameter, ...] = ()
     #: what was not set and is zero here: "masses", "rotor_inertias", ...
     not_set: frozenset[str] = frozenset()
+    #: "dh" or "mdh" where the frames are those of a table of such rows
+    convention: str = ""
 
     @property
     def dof(self) -> int:
@@ -105,6 +127,11 @@ class Model:
             joint_variable(i) if joint.variable is None else joint.variable
             for i, joint in enumerate(self.joints, 1)
         ]
+
+    @property
+    def defaults(self) -> dict[Any, Any]:
+        """The parameters' symbols and their defaults."""
+        return {parameter.symbol: parameter.default for parameter in self.parameters}
 
     @property
     def tip(self) -> Frame:
