@@ -44,7 +44,7 @@ def time_tau(
     low, high = np.array(robot.joint_limits, dtype=float).T
     q = rng.uniform(low, high, (BATCH, robot.dof))
     qd, qdd = rng.standard_normal((2, BATCH, robot.dof))
-    values = parameter_values(robot, rng)
+    values = parameter_values(robot.model(), rng)
     dtype = kernel.signatures["tau"].dtype
     numbers = [float(x) for x in (*q[0], *qd[0], *qdd[0], *values.values())]
     q, qd, qdd = (x.astype(dtype) for x in (q, qd, qdd))
@@ -79,7 +79,7 @@ def time_function(kernel: Kernel, robot: Robot, name: str) -> list[Timing]:
     """Time a function of a kernel at one random state, and per sample of a batch."""
     tell(f"timing {name}")
     rng = np.random.default_rng(0)
-    values = parameter_values(robot, rng)
+    values = parameter_values(robot.model(), rng)
     signature = kernel.signatures[name]
     dtype = signature.dtype
     batch = [rng.uniform(-1, 1, (BATCH, *shape(a))).astype(dtype) for a in signature.given]

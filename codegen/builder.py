@@ -23,6 +23,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 import moro
+from moro.model import Model, as_model
 from moro.robot import Robot
 from moro_codegen import extension, store, toolchain
 from moro_codegen.described import described
@@ -55,7 +56,7 @@ LONG = 6000
 
 @shown()
 def compile(
-    robot: Robot,
+    robot: Robot | Model,
     functions: Sequence[Request] = ("tau",),
     directory: str | os.PathLike[str] | None = None,
     backend: Backend = "c",
@@ -79,13 +80,13 @@ def compile(
     OSError for a folder in which nothing can be kept.
     """
     start = time.perf_counter()
-    if not isinstance(robot, Robot):
+    if not isinstance(robot, (Robot, Model)):
         load = f": moro.load({robot!r})" if isinstance(robot, (str, os.PathLike)) else ""
         raise TypeError(f"compile takes a Robot, found {type(robot).__name__}{load}")
-    model = robot.model()
+    model = as_model(robot)
     reserved = {*dir(Kernel), *Kernel.__annotations__, *SYMBOLS}
-    program = generate(model, requested(functions, robot, reserved), robot.parameters)
-    program = replace(described(program, robot), scalar=_scalar(dtype))
+    program = generate(model, requested(functions, model, reserved), model.defaults)
+    program = replace(described(program, model), scalar=_scalar(dtype))
     generated = time.perf_counter() - start
     return build(
         program,

@@ -19,7 +19,7 @@ from sympy.core.function import AppliedUndef
 
 from moro.abc import t
 from moro.checks import number, suggestion
-from moro.robot import Robot
+from moro.model import Model
 from moro_codegen.convert import Converter
 from moro_codegen.emit.c import RESERVED as C_NAMES
 from moro_codegen.emit.cython import RESERVED as CYTHON_NAMES
@@ -82,12 +82,12 @@ class UserFunction:
         own = own_defaults(self.parameters, self.results, self.name)
         object.__setattr__(self, "parameters", own)
 
-    def entry(self, robot: Robot) -> Function:
-        """Return the function for a robot.
+    def entry(self, model: Model) -> Function:
+        """Return the function for a model.
 
         Raises ValueError if there are symbols that neither has, or that both have.
         """
-        scope = Scope.of(robot, self.parameters, self.name)
+        scope = Scope.of(model, self.parameters, self.name)
         formula = Formula.of(self.name, self.results, scope)
         entry = formula.entry(self.summary, self.unit)
         return replace(entry, parameters=self.parameters)
@@ -112,24 +112,24 @@ class Scope:
     parameters: Sequence[Any]
 
     @classmethod
-    def of(cls, robot: Robot, own: Iterable[Any], name: str) -> Scope:
-        """Return what an expression of a robot may contain that brings parameters of its own.
+    def of(cls, model: Model, own: Iterable[Any], name: str) -> Scope:
+        """Return what an expression of a model may contain that brings parameters of its own.
 
-        Raises ValueError if the robot has them as well.
+        Raises ValueError if the model has them as well.
         """
-        names = {str(symbol) for symbol in robot.parameters}
+        names = {str(symbol) for symbol in model.defaults}
         for symbol in own:
             if str(symbol) in names:
                 raise ValueError(
-                    f"{name}: {symbol} is a parameter of {robot.name} already, which gives its "
+                    f"{name}: {symbol} is a parameter of {model.name} already, which gives its "
                     "default: leave it out of the function's parameters"
                 )
         motion: dict[Any, tuple[str, int]] = {}
-        for i, q in enumerate(robot.qs):
+        for i, q in enumerate(model.qs):
             motion[q] = ("q", i)
             if not q.is_Symbol:
                 motion[q.diff(t)], motion[q.diff(t, 2)] = ("qd", i), ("qdd", i)
-        return cls(robot.name, motion, (*robot.parameters, *own))
+        return cls(model.name, motion, (*model.defaults, *own))
 
     def used(self, expressions: Iterable[Any], name: str) -> set[Any]:
         """Return the symbols that occur. Raise ValueError for those that are not known."""

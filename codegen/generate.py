@@ -59,7 +59,7 @@ class Program:
     scalar: Literal["double", "float"] = "double"
     #: for those who read the files: of the robot's frames ("" if it is not known), and gravity in
     #: frame 0 [m/s^2] as text (None if it was not set)
-    convention: Literal["dh", "mdh", ""] = ""
+    convention: str = ""
     gravity: tuple[str, ...] | None = None
 
 

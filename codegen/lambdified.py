@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from moro.model import Model, as_model
 from moro.robot import Robot
 from moro_codegen.calls import Calls
 from moro_codegen.described import described
@@ -24,7 +25,7 @@ NAME = "lambdified"
 
 
 def lambdify(
-    expression: Any, robot: Robot, parameters: Mapping[Any, Any] | None = None
+    expression: Any, robot: Robot | Model, parameters: Mapping[Any, Any] | None = None
 ) -> Callable[..., Any]:
     """Return a function f(q[, qd[, qdd]], parameters=None, out=None) of arrays.
 
@@ -42,21 +43,22 @@ def lambdify(
     What occurs several times, in all results, is computed once. Raises ValueError for symbols that
     the robot does not have, TypeError for what is no expression.
     """
+    model = as_model(robot)
     results = results_of(expression, "the expression")
     own = own_defaults(parameters or {}, results, "the expression")
-    formula = Formula.of("the expression", results, Scope.of(robot, own, "the expression"))
-    defaults = {s: x for s, x in {**robot.parameters, **own}.items() if s in formula.used}
+    formula = Formula.of("the expression", results, Scope.of(model, own, "the expression"))
+    defaults = {s: x for s, x in {**model.defaults, **own}.items() if s in formula.used}
     graph = Graph()
     nodes = {symbol: graph.input("parameters", k) for k, symbol in enumerate(defaults)}
     function = replace(formula, name=NAME).entry("The expression of a robot given.", "SI")
     program = Program(
-        robot.name,
-        robot.dof,
-        tuple("revolute" if kind == "r" else "prismatic" for kind in robot.joint_types),
+        model.name,
+        model.dof,
+        tuple(joint.type.name for joint in model.joints),
         run_time_parameters(defaults),
-        (arranged(function, graph, robot.dof, partial(formula.nodes, graph, nodes)),),
+        (arranged(function, graph, model.dof, partial(formula.nodes, graph, nodes)),),
     )
-    signature = Signature.of(described(program, robot), *program.routines)
+    signature = Signature.of(described(program, model), *program.routines)
     calls = signature.calls
     of_arrays = _function(emit_numpy(program), f"_{NAME}_of_arrays")
     of_floats = _function(emit_floats(program), NAME)

@@ -11,7 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from moro.algorithms.regressor import PARAMETERS, body_regressor
-from moro.robot import Robot
+from moro.base_parameters import base_parameters_of
+from moro.model import Model
 from moro.spatial.vectors import Scalar
 from moro_codegen.convert import Converter
 from moro_codegen.functions import REGRESSOR, Function, Outputs, System
@@ -35,18 +36,18 @@ class Regressor:
         if self.zeros not in (None, True, False):
             raise TypeError(f"zeros must be True, False or None, not {self.zeros!r}")
 
-    def entry(self, robot: Robot) -> Function:
-        """Return the function for a robot."""
-        return regressor(robot, self.zeros)
+    def entry(self, model: Model) -> Function:
+        """Return the function for a model."""
+        return regressor(model, self.zeros)
 
 
-def regressor(robot: Robot, zeros: bool | None = None) -> Function:
-    """Return the function (q, qd, qdd) -> (Y, p) of a robot: tau = Y p.
+def regressor(model: Model, zeros: bool | None = None) -> Function:
+    """Return the function (q, qd, qdd) -> (Y, p) of a model: tau = Y p.
 
     Y (n x b) and p (b) are those of ``robot.regressor(zeros)``, in the order of
     ``robot.base_parameters(zeros)``.
     """
-    base = robot.base_parameters(zeros)
+    base = base_parameters_of(model, zeros)
     names = ", ".join(str(parameter.symbol) for parameter in base)
 
     def build(
@@ -59,7 +60,7 @@ def regressor(robot: Robot, zeros: bool | None = None) -> Function:
                 return columns[len(PARAMETERS) * link + PARAMETERS.index(name)]
             sign = system.graph.sign(qd[link])
             own = {"IA": qdd[link], "FV": qd[link], "FC": sign, "FD": sign * sign}[name]
-            return [own if i == link else 0 for i in range(robot.dof)]
+            return [own if i == link else 0 for i in range(model.dof)]
 
         rows = zip(*(column(*parameter.leader) for parameter in base), strict=True)
         values = map(Converter(system.graph, system.parameters), base.values)

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from typing import TypeAlias
 
 from moro.meant import hint
-from moro.robot import Robot
+from moro.model import Model
 from moro_codegen.expressions import UserFunction
 from moro_codegen.functions import FUNCTIONS, KNOWN, REGRESSOR, Function
 from moro_codegen.regressor import Regressor
@@ -23,16 +23,16 @@ DERIVED = re.compile(r"(.+?)(_batch|_loop|_lanes|_\d+|_lanes_\d+)")
 
 
 def requested(
-    functions: Sequence[Request], robot: Robot, reserved: Collection[str] = ()
+    functions: Sequence[Request], model: Model, reserved: Collection[str] = ()
 ) -> tuple[Function, ...]:
-    """Return the functions asked for, ready for a robot.
+    """Return the functions asked for, ready for a model.
 
     Raises ValueError for a name that does not exist, is asked for twice, or is among those
     ``reserved``; TypeError for what is no request.
     """
     if isinstance(functions, str):
         raise TypeError(f"functions is a tuple of names: functions=({functions!r},)")
-    found = [_requested(item, robot) for item in functions]
+    found = [_requested(item, model) for item in functions]
     own = [item for item in _flat(functions) if isinstance(item, UserFunction)]
     names = [function.name for function in found]
     for name in (function.name for function in own):
@@ -51,20 +51,20 @@ def requested(
     return tuple(found)
 
 
-def named(name: str, robot: Robot) -> Function:
+def named(name: str, model: Model) -> Function:
     """Return the function of a name. Raise ValueError, with the nearest name, if there is none."""
     if name not in KNOWN:
         raise ValueError(f"no function {name!r}; {hint(name, KNOWN)}there are {', '.join(KNOWN)}")
-    return Regressor().entry(robot) if name == REGRESSOR.name else FUNCTIONS[name]
+    return Regressor().entry(model) if name == REGRESSOR.name else FUNCTIONS[name]
 
 
-def _requested(item: Request, robot: Robot) -> Function:
+def _requested(item: Request, model: Model) -> Function:
     if isinstance(item, str):
-        return named(item, robot)
+        return named(item, model)
     if isinstance(item, (Regressor, UserFunction)):
-        return item.entry(robot)
+        return item.entry(model)
     if isinstance(item, tuple):
-        return together([_requested(one, robot) for one in item])
+        return together([_requested(one, model) for one in item])
     raise TypeError(
         f"functions are names, moro_codegen.Function(name, expression), "
         f"moro_codegen.Regressor(zeros=...), or tuples of them, not {item!r}"

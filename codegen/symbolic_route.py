@@ -17,11 +17,10 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from moro import Robot
-from moro.abc import t
 from moro.closed_form import ClosedForm
 from moro.constants import for_numpy
 from moro.dual import DualRing
+from moro.model import Model, as_model
 from moro.trig import Trig, TrigRing
 from moro_codegen import at_states
 
@@ -40,19 +39,19 @@ SINGULAR = 10
 
 
 class SymbolicRoute:
-    """The dynamics of a robot by the symbolic route: derived once, evaluated at any states.
+    """The dynamics of a model by the symbolic route: derived once, evaluated at any states.
 
     ``is_closed_form`` tells whether the closed forms were done within ``time_limit`` [s]; if not,
     the same formulas are evaluated as numbers that carry their derivatives.
     """
 
-    def __init__(self, robot: Robot, time_limit: float = TIME_LIMIT):
-        self.robot = robot
-        # no names: a parameter of the robot's may have any
-        self._velocities = [sp.Dummy(f"qd_{i}") for i in range(1, robot.dof + 1)]
+    def __init__(self, robot: Any, time_limit: float = TIME_LIMIT):
+        self.model = as_model(robot)
+        # no names: a parameter of the model's may have any
+        self._velocities = [sp.Dummy(f"qd_{i}") for i in range(1, self.model.dof + 1)]
         self._closed: _Closed | None = None
         with suppress(TimeoutError):
-            self._closed = _Closed.of(robot, self._velocities, TrigRing(time_limit))
+            self._closed = _Closed.of(self.model, self._velocities, TrigRing(time_limit))
 
     @property
     def is_closed_form(self) -> bool:
@@ -77,13 +76,13 @@ class SymbolicRoute:
         self, q: NDArray[Any], qd: Array, parameters: Mapping[Any, float]
     ) -> tuple[Array, Array, Array]:
         """Return M, C (states, n, n) and G (states, n); q and qd, (states, n), may be complex."""
-        size = at_states.block(self.robot.dof)
+        size = at_states.block(self.model.dof)
         parts = []
         for k in range(0, len(q), size):
-            values = {**dict(zip(self.robot.qs, q[k : k + size].T, strict=True)), **parameters}
+            values = {**dict(zip(self.model.qs, q[k : k + size].T, strict=True)), **parameters}
             rates = qd[k : k + size].T
             if self._closed is None:
-                parts.append(at_states.matrices(self.robot.model(), values, rates))
+                parts.append(at_states.matrices(self.model, values, rates))
             else:
                 known = dict(zip(self._velocities, rates, strict=True))
                 parts.append(self._closed.evaluate({**values, **known}))
@@ -97,7 +96,7 @@ class SymbolicRoute:
         """
         if self.is_closed_form:
             return len(q)
-        few = q[: at_states.block(self.robot.dof)]
+        few = q[: at_states.block(self.model.dof)]
         start = thread_time()
         self.matrices(few, np.ones_like(few), parameters)
         return max(1, int(limit / (thread_time() - start) * len(few)))
@@ -113,9 +112,9 @@ class _Closed:
     G: list[Trig]
 
     @classmethod
-    def of(cls, robot: Robot, velocities: Sequence[Any], ring: TrigRing) -> _Closed:
+    def of(cls, model: Model, velocities: Sequence[Any], ring: TrigRing) -> _Closed:
         """Return the closed forms. Raise TimeoutError when the ring does."""
-        form = ClosedForm(robot.model(), ring)
+        form = ClosedForm(model, ring)
         C = form.coriolis_matrix([ring.convert(v) for v in velocities])
         return cls(ring, form.inertia_matrix, C, form.gravity_vector)
 
@@ -149,9 +148,9 @@ class Dynamics:
     rounding: float = float(np.finfo(float).eps)
 
     @property
-    def robot(self) -> Robot:
-        """The robot."""
-        return self.route.robot
+    def model(self) -> Model:
+        """The model."""
+        return self.route.model
 
     @cached_property
     def _matrices(self) -> tuple[Array, Array, Array]:
@@ -220,24 +219,20 @@ class Dynamics:
 
         By q in complex steps. C qd is quadratic in qd with symmetric c_ijk, so by qd they are 2 C.
         """
-        n, few = self.robot.dof, self.few
+        n, few = self.model.dof, self.few
         steps = 1j * STEP * np.eye(n)[:, np.newaxis, :]  # one for each variable
         q = (self.q[few] + steps).reshape(-1, n)
         qd, qdd = (np.tile(x[few], (n, 1)) for x in (self.qd, self.qdd))
         M, C, G = self.route.matrices(q, qd, self.parameters)
         tau = np.imag(_apply(M, qdd) + _apply(C, qd) + G) / STEP
         by_q = np.moveaxis(tau.reshape(n, -1, n), 0, -1)
-        viscous = [
-            float(sp.sympify(x).subs(dict(self.parameters)))
-            for x in self.robot.viscous_friction or [0] * n
-        ]
-        return by_q, 2 * self.C[few] + np.diag(viscous)
+        return by_q, 2 * self.C[few] + np.diag(self._drives[0])
 
     @cached_property
     def few(self) -> NDArray[np.int_]:
         """The states for what takes long, by index."""
         complex_q = self.q[:DERIVATIVE_STATES] + 0j
-        count = self.route.affordable(complex_q, self.parameters, STATES_LIMIT) // self.robot.dof
+        count = self.route.affordable(complex_q, self.parameters, STATES_LIMIT) // self.model.dof
         return spread(len(self.q), min(max(count, 1), DERIVATIVE_STATES))
 
     @cached_property
@@ -250,19 +245,30 @@ class Dynamics:
         felt = np.max(np.diagonal(self.M, axis1=1, axis2=2), axis=0)
         felt = np.sqrt(np.where(felt > 0, felt, 1.0))
         least = np.linalg.eigvalsh(self.M / felt / felt[:, np.newaxis])[:, 0]
-        regular: NDArray[np.bool_] = least > SINGULAR * self.robot.dof * self.rounding
+        regular: NDArray[np.bool_] = least > SINGULAR * self.model.dof * self.rounding
         return regular
 
     @cached_property
     def _form(self) -> ClosedForm:
         """The formulas over numbers, for what is short anyway."""
-        values = {**dict(zip(self.robot.qs, self.q.T, strict=True)), **self.parameters}
-        return ClosedForm(self.robot.model(), DualRing(self.robot.qs, values))
+        values = {**dict(zip(self.model.qs, self.q.T, strict=True)), **self.parameters}
+        return ClosedForm(self.model, DualRing(self.model.qs, values))
 
     @cached_property
     def _friction(self) -> Array:
-        values = {q.diff(t): x for q, x in zip(self.robot.qs, self.qd.T, strict=True)}
-        return evaluated(self.robot.friction_vector(), {**values, **self.parameters}, len(self.qd))
+        """Return viscous friction, and Coulomb's of either direction (states, n)."""
+        viscous, forwards, backwards = self._drives
+        coulomb = np.where(self.qd > 0, forwards, np.where(self.qd < 0, -backwards, 0))
+        friction: Array = viscous * self.qd + coulomb
+        return friction
+
+    @cached_property
+    def _drives(self) -> Array:
+        """Return viscous friction and Coulomb's, forwards and backwards, each (n)."""
+        joints = self.model.joints
+        numbers = [x for joint in joints for x in (joint.viscous, *joint.coulomb)]
+        drives: Array = evaluated(numbers, self.parameters, 1).reshape(-1, 3).T
+        return drives
 
 
 def evaluated(expressions: Iterable[Any], values: Mapping[Any, Any], states: int) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 import sympy as sp
 
 from moro import Robot
-from moro_codegen.described import constants
+from moro.model import Model, as_model
 from moro_codegen.expressions import Formula, Scope, UserFunction
 from moro_codegen.kernel import Kernel
 from moro_codegen.progress import shown, tell
@@ -79,7 +79,7 @@ def _acceleration_derivatives(x: Dynamics, by_q: Array, by_qd: Array, by_tau: Ar
     for slope, of_tau in zip((by_q, by_qd), x.tau_slopes, strict=True):
         yield _product(-x.M[few], slope[few], of_tau[x.regular[x.few]])
     ok = x.regular
-    yield _product(x.M[ok], by_tau[ok], np.broadcast_to(np.eye(x.robot.dof), x.M[ok].shape))
+    yield _product(x.M[ok], by_tau[ok], np.broadcast_to(np.eye(x.model.dof), x.M[ok].shape))
 
 
 def _product(M: Array, factor: Array, expected: Array) -> Pair:
@@ -189,7 +189,7 @@ class Verification:
 @shown()
 def verify(
     kernel: Kernel,
-    robot: Robot,
+    robot: Robot | Model,
     *,
     states: int = 64,
     seed: int = 0,
@@ -213,12 +213,13 @@ def verify(
     Raises ValueError for a robot with another number of joints, or without a parameter that the
     kernel needs.
     """
-    _check_alike(kernel, robot)
+    model = as_model(robot)
+    _check_alike(kernel, model)
     rng = np.random.default_rng(seed)
-    route = route or SymbolicRoute(robot)
+    route = route or SymbolicRoute(model)
     dtype = next(s.dtype for s in kernel.signatures.values())
-    state = [_rounded(x, dtype) for x in _states(robot, states, rng)]
-    values = parameter_values(robot, rng)
+    state = [_rounded(x, dtype) for x in _states(model, states, rng)]
+    values = parameter_values(model, rng)
     parameters = {symbol: float(_rounded(value, dtype)) for symbol, value in values.items()}
     total = len(state[0])
     chosen = spread(total, route.affordable(state[0], parameters, STATES_LIMIT))
@@ -255,20 +256,20 @@ def verify(
     )
 
 
-def _check_alike(kernel: Kernel, robot: Robot) -> None:
+def _check_alike(kernel: Kernel, model: Model) -> None:
     """Raise unless the kernel can be one of the robot."""
-    if kernel.dof != robot.dof:
+    if kernel.dof != model.dof:
         raise ValueError(
-            f"the kernel of {kernel.name} has {kernel.dof} joints, the robot {robot.name} has "
-            f"{robot.dof}: verify takes the robot that the kernel was made of"
+            f"the kernel of {kernel.name} has {kernel.dof} joints, the robot {model.name} has "
+            f"{model.dof}: verify takes the robot that the kernel was made of"
         )
     if any(part.name not in CHECKS for s in kernel.signatures.values() for part in s.parts):
         return  # functions of one's own bring parameters that the robot does not have
-    there = {str(symbol) for symbol in robot.parameters}
+    there = {str(symbol) for symbol in model.defaults}
     missing = [n for n, value in kernel.parameters.items() if value is None and n not in there]
     if missing:
         raise ValueError(
-            f"the kernel of {kernel.name} takes {', '.join(missing)}, which the robot {robot.name} "
+            f"the kernel of {kernel.name} takes {', '.join(missing)}, which the robot {model.name} "
             "does not have: verify takes the robot that the kernel was made of"
         )
 
@@ -290,7 +291,7 @@ def _by_expression(
     function: UserFunction, kernel: Kernel, x: Dynamics, found: Sequence[Array]
 ) -> Pairs:
     """Yield the results of a function of the user's own with the values of its expressions."""
-    scope = Scope.of(x.robot, function.parameters, function.name)
+    scope = Scope.of(x.model, function.parameters, function.name)
     used = Formula.of(function.name, function.results, scope).used
     motion = {"q": x.q, "qd": x.qd, "qdd": x.qdd}
     values = {s: motion[a][:, i] for s, (a, i) in scope.motion.items() if s in used}
@@ -318,12 +319,12 @@ def _errors(pair: Pair) -> Array:
     return errors
 
 
-def _states(robot: Robot, states: int, rng: np.random.Generator) -> tuple[Array, Array, Array]:
+def _states(model: Model, states: int, rng: np.random.Generator) -> tuple[Array, Array, Array]:
     """Return states that the robot can be in: random ones first, then awkward ones."""
-    n, some = robot.dof, states // 8
-    limits = np.array(robot.joint_limits, dtype=float)
+    n, some = model.dof, states // 8
+    limits = np.array([joint.range for joint in model.joints], dtype=float)
     lower, upper = limits[:, 0], np.minimum(limits[:, 1], limits[:, 0] + 2 * math.pi)
-    revolute = np.array([kind == "r" for kind in robot.joint_types])
+    revolute = np.array([joint.type.is_angle for joint in model.joints])
     q = rng.uniform(lower, upper, (states, n))
     turned = q[:some] + 2 * math.pi * _turns(q[:some], limits, revolute, rng)
     still = np.clip(np.zeros(n), lower, upper)
@@ -356,22 +357,32 @@ def _quarters(q: Array, lower: Array, upper: Array, rng: np.random.Generator) ->
     return quarters
 
 
-def parameter_values(robot: Robot, rng: np.random.Generator) -> dict[Any, float]:
+def parameter_values(model: Model, rng: np.random.Generator) -> dict[Any, float]:
     """Return a value for each free symbol: its default, or a random one.
 
-    That is for symbols without a default, and for those of something that the robot's description
-    is divided by and that is zero for the defaults.
+    That is for symbols without a default, and for those of something that the model is divided by
+    and that is zero for the defaults.
     """
-    defaults = {symbol: x for symbol, x in robot.parameters.items() if x is not None}
-    free = set(robot.parameters) - set(defaults)
-    for _, _, _, value in constants(robot):
-        for power in value.atoms(sp.Pow):
-            if power.exp.is_negative and power.base.xreplace(defaults).is_zero:
-                free |= power.base.free_symbols
+    defaults = {symbol: x for symbol, x in model.defaults.items() if x is not None}
+    free = set(model.defaults) - set(defaults) | _divided_by_zero(model, defaults)
     return {
         symbol: float(rng.uniform(0.5, 1.5)) if symbol in free else float(default)
-        for symbol, default in robot.parameters.items()
+        for symbol, default in model.defaults.items()
     }
+
+
+def _divided_by_zero(model: Model, values: Mapping[Any, Any]) -> set[Any]:
+    """Return the symbols of what a scalar of the model is divided by, where that is zero."""
+    free: set[Any] = set()
+
+    def look(scalar: Any) -> Any:
+        for power in sp.sympify(scalar).atoms(sp.Pow):
+            if power.exp.is_negative and power.base.xreplace(values).is_zero:
+                free.update(power.base.free_symbols)
+        return scalar
+
+    model.map(look)
+    return free
 
 
 def for_kernel(kernel: Kernel, values: Mapping[Any, float]) -> dict[str, float]:

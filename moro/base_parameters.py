@@ -21,12 +21,13 @@ Robots (2002), section 9.4, whose names are used: XXR_2 is what XX_2 has become.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import sympy as sp
 
+from moro.closed_form import ClosedForm
 from moro.display import Display
 from moro.independence import Independence
 from moro.model import Joint, Model
@@ -110,6 +111,20 @@ class BaseParameters(Sequence[BaseParameter]):
             return Table(headings, rows)
         return Table((*headings[:2], headings[3]), [(*row[:2], row[3]) for row in rows])
 
+    def counted(self, model: Model, zeros: bool | None) -> BaseParameters:
+        """Return those that count: not zero, or zero where a body is given in numbers.
+
+        ``zeros`` True or False keeps or leaves out all that are zero.
+        """
+
+        def counts(x: BaseParameter) -> bool:
+            if zeros or x.value != 0:
+                return True
+            is_number = x.leader.name in BODY and model.bodies[x.leader.link].in_numbers
+            return zeros is None and is_number
+
+        return BaseParameters(x for x in self if counts(x))
+
     def __getitem__(self, i: Any) -> Any:
         return BaseParameters(self._parameters[i]) if isinstance(i, slice) else self._parameters[i]
 
@@ -130,13 +145,9 @@ class BaseParameters(Sequence[BaseParameter]):
 
 
 def base_parameters(
-    model: Model,
-    friction: Mapping[Standard, Any],
-    ring: TrigRing,
-    rates: Sequence[Any],
-    display: Display,
+    model: Model, ring: TrigRing, rates: Sequence[Any], display: Display
 ) -> BaseParameters:
-    """Return the base parameters of an arm, friction among them.
+    """Return the base parameters of a model, friction among them.
 
     Bodies that are not given have no values: there the combinations of standard parameters stand
     for themselves.
@@ -150,9 +161,47 @@ def base_parameters(
         if all(x in known for x in form):
             value = display(sum((factor * known[x] for x, factor in form.items()), ring.zero))
         found.append(BaseParameter(leader, symbol, combination, value, _unit_of(leader, model)))
-    for x, value in friction.items():
-        found.append(BaseParameter(x, x.symbol, x.symbol, value, _unit_of(x, model)))
+    for i in range(model.dof):
+        for name, value in friction_coefficients(model, i).items():
+            x = Standard(i, name)
+            found.append(BaseParameter(x, x.symbol, x.symbol, value, _unit_of(x, model)))
     return BaseParameters(sorted(found, key=lambda x: x.leader.place))
+
+
+def base_parameters_of(model: Model, zeros: bool | None = None) -> BaseParameters:
+    """Return those base parameters of a model that count, without a robot's notation."""
+    ring, rates = TrigRing(), [sp.Dummy() for _ in model.joints]
+    ClosedForm(model, ring)  # declares its angles
+    for symbol in (*model.qs, *rates, *model.defaults):
+        ring.generator(symbol)
+    display = Display(ring, inertial=inertial_symbols(model), velocities=rates)
+    return base_parameters(model, ring, rates, display).counted(model, zeros)
+
+
+def friction_coefficients(model: Model, i: int) -> dict[str, Any]:
+    """Return what is set of a joint's friction: viscous (FV), and Coulomb's (FC, FD).
+
+    FC is half the sum of what the two directions have, FD half the difference.
+    """
+    joint, coefficients = model.joints[i], {}
+    if "viscous_friction" not in model.not_set:
+        coefficients["FV"] = joint.viscous
+    if "coulomb_friction" not in model.not_set:
+        forward, backward = joint.coulomb
+        coefficients |= {"FC": (forward + backward) / 2, "FD": (forward - backward) / 2}
+    return coefficients
+
+
+def inertial_symbols(model: Model) -> set[Any]:
+    """Return the symbols of masses and tensors: those that are no lengths."""
+    masses, moments, tensors = set[Any](), set[Any](), set[Any]()
+    for body in model.bodies:
+        masses |= sp.sympify(body.mass).free_symbols
+        moments = moments.union(*(sp.sympify(x).free_symbols for x in body.first_moment))
+        tensors = tensors.union(*(sp.sympify(x).free_symbols for row in body.inertia for x in row))
+    for joint in model.joints:
+        moments = moments.union(*(sp.sympify(x).free_symbols for x in joint.placement.p))
+    return masses | (tensors - moments)
 
 
 def _combination(form: Form, display: Display) -> Any:

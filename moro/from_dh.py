@@ -9,7 +9,7 @@ Khalil's: z along the joint, x along the common normal to the joint after it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 import sympy as sp
@@ -103,14 +103,33 @@ def _body(arm: Arm, i: int) -> Body:
     """Return the inertial parameters of link i about the origin of its joint's frame (Steiner)."""
     nothing = (_ZERO, _ZERO, _ZERO)
     if arm.masses is None or arm.cm_positions is None:
-        return Body(_ZERO, nothing, (nothing, nothing, nothing))
+        return Body(_ZERO, nothing, (nothing, nothing, nothing), in_numbers=False)
     m, c, frame = arm.masses[i], _vector(arm.cm_positions[i]), frame_in_link(arm, i)
     I = (nothing, nothing, nothing) if arm.inertia_tensors is None else arm.inertia_tensors[i]
     I = _matrix(I)
+    in_numbers = arm.inertia_tensors is not None and _in_numbers(m, c, I)
     if any(map(_divisors, (m, *c, *I[0], *I[1], *I[2]))):
-        return _body_of_quotients(m, c, I, frame)
+        return replace(_body_of_quotients(m, c, I, frame), in_numbers=in_numbers)
     r = add(times(frame.R, c), frame.p)
-    return Body(m, scaled(m, r), sum_of(_in_parent(I, frame), _spread(m, r, r)))
+    return Body(m, scaled(m, r), sum_of(_in_parent(I, frame), _spread(m, r, r)), in_numbers)
+
+
+def _in_numbers(m: Any, c: Vector, I: Matrix) -> bool:
+    """Return whether a link is given in numbers; a payload may be added to them.
+
+    That is so if it is one without the payload: if, with all symbols 0, it has a mass, a centre of
+    mass (unless at the origin) and the principal entries of its tensor, as with them.
+    """
+    if not sp.Tuple(m, c, I).free_symbols:
+        return True
+    moments = [I[k][k] for k in range(3) if I[k][k] != 0]
+    return all(map(_has_number, (m, *moments))) and (not any(c) or any(map(_has_number, c)))
+
+
+def _has_number(x: Any) -> bool:
+    """Return whether an expression is not 0 where its symbols are."""
+    alone = x.xreplace(dict.fromkeys(x.free_symbols, _ZERO))
+    return bool(alone.is_finite and alone != 0)
 
 
 def _body_of_quotients(m: Any, c: Vector, I: Matrix, frame: Placement) -> Body:

@@ -11,7 +11,7 @@ import sympy as sp
 
 from moro import checks
 from moro.abc import t
-from moro.base_parameters import BaseParameter, BaseParameters, base_parameters
+from moro.base_parameters import BaseParameters, base_parameters, friction_coefficients
 from moro.closed_form import ClosedForm
 from moro.collect import Collector
 from moro.description import Description
@@ -21,7 +21,7 @@ from moro.model import Frame, Placement
 from moro.notebook import Equations, Page
 from moro.regressor import Regressor, regressor_columns
 from moro.spatial.vectors import Vector, add, product, scaled, times, transpose
-from moro.standard_parameters import BODY, Standard
+from moro.standard_parameters import Standard
 from moro.trig import Trig, TrigRing
 
 
@@ -283,7 +283,7 @@ class Robot(Description):
         ``zeros`` True or False keeps or leaves out all of them.
         """
         self._needed("gravity")
-        return BaseParameters(x for x in self._all_base_parameters() if self._counts(x, zeros))
+        return self._all_base_parameters().counted(self._form.model, zeros)
 
     def regressor(self, zeros: bool | None = None) -> Regressor:
         """Return (Y, p) with M qdd + C qd + G + friction = Y(q, qd, qdd) p identically.
@@ -474,14 +474,9 @@ class Robot(Description):
 
     def _all_base_parameters(self) -> BaseParameters:
         if "base parameters" not in self._results:
-            friction = {
-                Standard(i, name): value
-                for i in range(self.dof)
-                for name, value in self._friction_coefficients(i).items()
-            }
             rates, _ = self._motion
             self._results["base parameters"] = base_parameters(
-                self._form.model, friction, self._ring, rates, self._shown_by
+                self._form.model, self._ring, rates, self._shown_by
             )
         found: BaseParameters = self._results["base parameters"]
         return found
@@ -490,49 +485,12 @@ class Robot(Description):
         columns = regressor_columns(leaders, self._form.model, self._ring, *self._motion)
         return [self._at_rest(column) for column in columns]
 
-    def _counts(self, parameter: BaseParameter, zeros: bool | None) -> bool:
-        if zeros or parameter.value != 0:
-            return True
-        return zeros is None and parameter.leader.name in BODY and self._in_numbers(parameter.link)
-
-    def _in_numbers(self, link: int) -> bool:
-        """Whether a link is given in numbers; a payload may be added to them.
-
-        That is so if it is one without the payload: if, with all symbols 0, it has a mass, a centre
-        of mass (unless at the origin) and the principal entries of its tensor, as with them.
-        """
-        if self._masses is None or self._cm_positions is None or self._inertia_tensors is None:
-            return False
-        mass, cm = self._masses[link - 1], self._cm_positions[link - 1]
-        tensor = self._inertia_tensors[link - 1]
-        if not sp.Tuple(mass, cm, tensor).free_symbols:
-            return True
-        moments = [tensor[k][k] for k in range(3) if tensor[k][k] != 0]
-        return all(map(_has_number, (mass, *moments))) and (
-            not any(cm) or any(map(_has_number, cm))
-        )
-
     def _friction(self, i: int) -> Any:
         qd = self.qs[i].diff(t)
         speed = {"FV": qd, "FC": sp.sign(qd), "FD": sp.sign(qd) ** 2}
-        terms = (x * speed[name] for name, x in self._friction_coefficients(i).items())
+        found = friction_coefficients(self._form.model, i)
+        terms = (x * speed[name] for name, x in found.items())
         return sum(terms, sp.Integer(0))
-
-    def _friction_coefficients(self, i: int) -> dict[str, Any]:
-        """Viscous (FV); Coulomb, half the sum of both directions (FC) and the difference (FD)."""
-        coefficients = {}
-        if self._viscous_friction is not None:
-            coefficients["FV"] = self._viscous_friction[i]
-        if self._coulomb_friction is not None:
-            forward, backward = self._coulomb_friction[i]
-            coefficients |= {"FC": (forward + backward) / 2, "FD": (forward - backward) / 2}
-        return coefficients
 
     def _taus(self) -> list[Any]:
         return [sp.Symbol(f"tau_{i}") for i in range(1, self.dof + 1)]
-
-
-def _has_number(x: Any) -> bool:
-    """Whether an expression is not 0 where its symbols are: a number, or one with more added."""
-    alone = x.xreplace({symbol: sp.Integer(0) for symbol in x.free_symbols})
-    return bool(alone.is_finite and alone != 0)

@@ -201,9 +201,9 @@ def emitted(mass, text):
     robot.inertia_tensors = [[[1, 0, 0], [0, 1, 0], [0, 0, 1]]]
     robot.gravity = [0, -9, 0]
     own = mc.Function("f", mass * q1, summary=text, unit=text)
-    program = described(
-        generate(robot.model(), requested(("tau", own), robot), robot.parameters), robot
-    )
+    model = robot.model()
+    program = generate(model, requested(("tau", own), model), model.defaults)
+    program = described(program, model)
     texts = sources(program, "c", ("cython", "python"))
     return {path: stripped(path, text) for path, text in texts.items() if not path.endswith(".md")}
 

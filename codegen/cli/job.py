@@ -81,8 +81,9 @@ def _built(
 ) -> Kernel:
     """Return the kernel in its folder."""
     start = time.perf_counter()
-    program = generate(robot.model(), requested(order.functions, robot), robot.parameters)
-    program = replace(described(program, robot), scalar=order.scalar)
+    model = robot.model()
+    program = generate(model, requested(order.functions, model), model.defaults)
+    program = replace(described(program, model), scalar=order.scalar)
     generated = time.perf_counter() - start
     folder = order.output / robot.name
     kernel = build(
@@ -103,8 +104,9 @@ def _rigid(robot: Robot, order: Order) -> Mapping[str, int] | None:
     drives = robot.viscous_friction, robot.coulomb_friction, robot.rotor_inertias
     if len(order.functions) != 1 or not any(x != 0 for values in drives for x in values or ()):
         return None
-    functions = requested(order.functions, robot)
-    program = generate(robot.model(), functions, robot.parameters, rigid=True)
+    model = robot.model()
+    functions = requested(order.functions, model)
+    program = generate(model, functions, model.defaults, rigid=True)
     return program.routines[0].ops
 
 

@@ -10,8 +10,6 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
-import sympy as sp
-
 from moro.spatial.moments import Moments
 from moro.spatial.motion import Motion, Velocity, Wrench
 from moro.spatial.transform import Transform
@@ -44,8 +42,6 @@ class JointType(ABC):
     #: components of q and of qd
     nq: ClassVar[int] = 1
     nv: ClassVar[int] = 1
-    #: (lower, upper) where none are given
-    assumed_limits: ClassVar[tuple[Scalar, Scalar]]
     #: inertial parameters of the link that do not change when the joint moves, as if they were
     #: fixed to the parent; of a link that turns they belong to a rod on the axis
     carried: ClassVar[tuple[str, ...]]
@@ -57,6 +53,11 @@ class JointType(ABC):
     def is_angle(self) -> bool:
         """Whether q is an angle, the same after a whole turn."""
         return self.unit == "rad"
+
+    @property
+    @abstractmethod
+    def assumed_limits(self) -> tuple[Scalar, Scalar]:
+        """(lower, upper) of q where none are given."""
 
     @abstractmethod
     def displacement(self, x: Scalar) -> tuple[Scalar, Scalar]:
@@ -128,9 +129,15 @@ class Revolute(JointType):
     letter = "r"
     unit = "rad"
     effort = "N m"
-    assumed_limits = (-sp.pi, sp.pi)
     carried = ("YY", "MZ", "M")
     fixes_axis = True
+
+    @property
+    def assumed_limits(self) -> tuple[Scalar, Scalar]:
+        """Half a turn either way."""
+        from sympy import pi  # takes long, and help needs joint types and no numbers
+
+        return -pi, pi
 
     def displacement(self, x: Scalar) -> tuple[Scalar, Scalar]:
         """Return (x, 0)."""
@@ -218,8 +225,14 @@ class Prismatic(JointType):
     letter = "p"
     unit = "m"
     effort = "N"
-    assumed_limits = (sp.Integer(0), sp.Integer(1000))
     carried = ("XX", "XY", "XZ", "YY", "YZ", "ZZ")
+
+    @property
+    def assumed_limits(self) -> tuple[Scalar, Scalar]:
+        """From 0 to more than any arm has."""
+        from sympy import Integer
+
+        return Integer(0), Integer(1000)
 
     def displacement(self, x: Scalar) -> tuple[Scalar, Scalar]:
         """Return (0, x)."""

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from moro.abc import joint_variable
 from moro.model.joint_types import JointType
 from moro.model.placement import Placement
 from moro.spatial.moments import Moments
@@ -60,6 +59,8 @@ class Body:
     first_moment: Vector
     #: about the frame's origin [kg m^2]
     inertia: Matrix
+    #: whether a zero among these is a number that was given, rather than an assumption
+    in_numbers: bool = True
 
     @property
     def moments(self) -> Moments:
@@ -123,6 +124,8 @@ class Model:
     @property
     def qs(self) -> list[Any]:
         """The joint variables of closed forms."""
+        from moro.abc import joint_variable  # SymPy, which help does without
+
         return [
             joint_variable(i) if joint.variable is None else joint.variable
             for i, joint in enumerate(self.joints, 1)
@@ -168,7 +171,12 @@ class Model:
             )
 
         def body(b: Body) -> Body:
-            return Body(convert(b.mass), vector(b.first_moment), matrix(b.inertia))
+            return replace(
+                b,
+                mass=convert(b.mass),
+                first_moment=vector(b.first_moment),
+                inertia=matrix(b.inertia),
+            )
 
         return replace(
             self,
@@ -177,3 +185,14 @@ class Model:
             gravity=vector(self.gravity),
             frames=tuple(replace(f, placement=placement(f.placement)) for f in self.frames),
         )
+
+
+def as_model(robot: Any) -> Model:
+    """Return the model of a robot, or a model as it is. Raise TypeError for anything else."""
+    if isinstance(robot, Model):
+        return robot
+    model = getattr(robot, "model", None)
+    if not callable(model):
+        raise TypeError(f"a Robot or a Model is needed, not {robot!r}")
+    found: Model = model()
+    return found

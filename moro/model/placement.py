@@ -11,12 +11,9 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal, TypeAlias
 
-import sympy as sp
-
 from moro.spatial.vectors import Matrix, Scalar, Vector, add, product, times
 
-_ZERO, _ONE = sp.Integer(0), sp.Integer(1)
-_EYE: Matrix = ((_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE))
+_EYE: Matrix = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
 
 @dataclass(frozen=True)
@@ -29,10 +26,12 @@ class Turn:
     @property
     def R(self) -> Matrix:
         """The rotation matrix."""
-        s, c = sp.sin(self.angle), sp.cos(self.angle)
+        from sympy import cos, sin  # takes long, and help needs models and no numbers
+
+        s, c = sin(self.angle), cos(self.angle)
         if self.axis == "x":
-            return (_ONE, _ZERO, _ZERO), (_ZERO, c, -s), (_ZERO, s, c)
-        return (c, -s, _ZERO), (s, c, _ZERO), (_ZERO, _ZERO, _ONE)
+            return (1, 0, 0), (0, c, -s), (0, s, c)
+        return (c, -s, 0), (s, c, 0), (0, 0, 1)
 
 
 @dataclass(frozen=True)
@@ -58,14 +57,14 @@ class Placement:
     """A constant pose of one frame in another: ``x_parent = R x + p``."""
 
     R: Matrix = _EYE
-    p: Vector = (_ZERO, _ZERO, _ZERO)
+    p: Vector = (0, 0, 0)
     #: how it was given, if it was by steps
     given: tuple[Step, ...] = ()
 
     @classmethod
     def by(cls, *steps: Step) -> Placement:
         """Return the pose that elementary motions lead to."""
-        R, p = _EYE, (_ZERO, _ZERO, _ZERO)
+        R, p = _EYE, (0, 0, 0)
         for step in steps:
             if isinstance(step, Shift):
                 p = add(p, times(R, step.p))
@@ -90,9 +89,11 @@ def _turns(R: Matrix) -> tuple[Step, ...]:
 @cache
 def _quarter_turns() -> dict[tuple[Scalar, ...], tuple[Turn, ...]]:
     """Return {entries of a rotation matrix: turns that it is made of}."""
+    from sympy import pi
+
     found: dict[tuple[Scalar, ...], tuple[Turn, ...]] = {}
     for a, b, c in itertools.product((0, 1, 2, 3), repeat=3):
-        given = (Turn("z", a * sp.pi / 2), Turn("x", b * sp.pi / 2), Turn("z", c * sp.pi / 2))
+        given = (Turn("z", a * pi / 2), Turn("x", b * pi / 2), Turn("z", c * pi / 2))
         turns = tuple(turn for turn in given if turn.angle != 0)
         R = Placement.by(*turns).R
         key = tuple(int(x) for row in R for x in row)

@@ -148,7 +148,8 @@ def test_a_wrong_function_fails_the_whole(tmp_path, monkeypatch, capsys):
     from moro_codegen import cli, verify
 
     checks = sys.modules[verify.__module__].CHECKS
-    monkeypatch.setitem(checks, "inertia_matrix", lambda x, M: [(M, 2 * x.M)])
+    pair = sys.modules[verify.__module__].Pair
+    monkeypatch.setitem(checks, "inertia_matrix", lambda x, M: [pair(M, 2 * x.M)])
     monkeypatch.chdir(tmp_path)
     arguments = ["two_link", "-f", "tau,inertia_matrix", "--no-benchmark", "--backend", "numpy"]
     with pytest.raises(SystemExit) as stopped:

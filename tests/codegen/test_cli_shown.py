@@ -96,7 +96,8 @@ def test_what_is_not_finite_is_null_in_json(capsys, monkeypatch):
     from moro_codegen import verify
 
     checks = sys.modules[verify.__module__].CHECKS
-    monkeypatch.setitem(checks, "tau", lambda x, tau: [(tau * float("nan"), x.tau)])
+    pair = sys.modules[verify.__module__].Pair
+    monkeypatch.setitem(checks, "tau", lambda x, tau: [pair(tau * float("nan"), x.tau)])
     with pytest.raises(SystemExit) as stopped:
         main(["two_link", "--backend", "numpy", "--json", "--no-benchmark"])
     assert stopped.value.code == 1

@@ -7,7 +7,8 @@ from programs import everything_program
 import moro as mr
 import moro_codegen as mc
 from moro.abc import l1, l2, q1, q2
-from moro_codegen.described import described, meanings
+from moro.meanings import meanings
+from moro_codegen.described import described
 from moro_codegen.emit.c import emit as emit_c
 from moro_codegen.emit.numpy import emit as emit_numpy
 from moro_codegen.generate import generate
@@ -29,7 +30,7 @@ def arm(convention="dh"):
 
 
 def test_meanings():
-    assert meanings(arm()) == {
+    assert meanings(arm().arm) == {
         "g": "in gravity y",
         "m_2": "mass of link 2",
         "l_1": "a of row 1, in com x of link 1, com z of link 2",
@@ -42,8 +43,8 @@ def test_meanings():
 
 def test_only_what_is_there_has_a_meaning():
     robot = mr.Robot((l1, 0, l2, q1), name="bare")
-    assert meanings(robot) == {"l_1": "a of row 1", "l_2": "d of row 1"}
-    program = described(generate(robot.model(), ("jacobian",), robot.parameters), robot)
+    assert meanings(robot.arm) == {"l_1": "a of row 1", "l_2": "d of row 1"}
+    program = described(generate(robot.model(), ("jacobian",), robot.parameters), robot.model())
     assert program.gravity is None
     assert not any("Gravity" in text for text in emit_c(program).values())
 
@@ -51,7 +52,7 @@ def test_only_what_is_there_has_a_meaning():
 @pytest.mark.parametrize(("convention", "name"), [("dh", "standard"), ("mdh", "modified")])
 def test_texts(convention, name):
     robot = arm(convention)
-    program = described(generate(robot.model(), ("tau",), robot.parameters), robot)
+    program = described(generate(robot.model(), ("tau",), robot.parameters), robot.model())
     for text in (emit_c(program)["arm.h"], emit_numpy(program)["arm.py"]):
         assert f"Frames 0 (the base) to 2: {name} Denavit-Hartenberg convention." in text
         assert "Gravity, in frame 0: (0, -g, 0.25) m/s^2." in text

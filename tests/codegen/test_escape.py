@@ -143,7 +143,7 @@ def test_functions_of_ones_own(text):
     robot = mr.Robot((sp.Symbol(text), 0, 0, q1), name="arm")
     robot.parameters = {sp.Symbol(text): 2}
     function = mc.Function("reach", robot.T[0, 3], summary=text, unit=text)
-    f = function.entry(robot)
+    f = function.entry(robot.model())
     assert f.summary == text
 
 

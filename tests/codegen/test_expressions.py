@@ -183,9 +183,8 @@ def test_bad_values(arm):
         mc.Function("f", [])
     with pytest.raises(TypeError, match="name is a string"):
         mc.Function(q1, q1)
-    for text in ("two\nlines", "*/", '"""', "\\alpha"):
-        with pytest.raises(ValueError, match="comments"):
-            mc.Function("f", q1, summary=text)
+    with pytest.raises(TypeError, match="text"):
+        mc.Function("f", q1, summary=3)
     with pytest.raises(TypeError, match="text"):
         mc.Function("f", q1, unit=3)
 

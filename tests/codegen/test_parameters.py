@@ -177,7 +177,7 @@ def test_a_payload_loses_no_columns(tmp_path):
     assert robot.base_parameters().symbols == columns
     for zeros in (None, True, False):
         regressor = mc.Regressor(zeros=zeros)
-        entry = requested((regressor,), robot)[0]
+        entry = requested((regressor,), robot.model())[0]
         assert entry.outputs[1].shape == (len(robot.base_parameters(zeros)),)
     with pytest.raises(TypeError, match="zeros"):
         mc.Regressor(zeros="all")

@@ -30,7 +30,7 @@ def program(robot):
     graph = Graph()
     symbols = {symbol: graph.input("parameters", k) for k, symbol in enumerate(robot.parameters)}
     system = System(graph, robot.model().map(Converter(graph, symbols)), parameters=symbols)
-    return replace(tau, routines=(routine(system, regressor(robot)), *tau.routines))
+    return replace(tau, routines=(routine(system, regressor(robot.model())), *tau.routines))
 
 
 def with_drives(n, convention):

@@ -317,9 +317,13 @@ def test_parameters_refused(hand_made):
 
 def test_a_model_without_parameters_takes_none(arm):
     q, qd, qdd = states()
-    for parameters in ([], {}, np.zeros(0), np.zeros(6)):
+    for parameters in ([1.0], {"m": 1.0}, np.zeros(6)):
         with pytest.raises(TypeError, match="no run-time parameters"):
             arm.tau(q, qd, qdd, parameters=parameters)
+    for parameters in (None, [], {}, np.zeros(0)):
+        np.testing.assert_array_equal(
+            arm.tau(q, qd, qdd, parameters=parameters), arm.tau(q, qd, qdd)
+        )
 
 
 # -- several results ---------------------------------------------------------------------------

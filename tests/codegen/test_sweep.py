@@ -107,7 +107,7 @@ def test_the_command_on_long_arms(joints, tmp_path):
     ]
     text = "\n".join(["name: long", "convention: dh", "gravity: [0, 0, -9.81]", "links:", *links])
     (tmp_path / "long.yaml").write_text(text)
-    command = [sys.executable, "-m", "moro_codegen.cli", "long.yaml"]
+    command = [sys.executable, "-m", "moro_codegen", "long.yaml"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     for words in ("too long to write out", "verified: ", "the equations take it too long"):

@@ -9,6 +9,7 @@ import sympy as sp
 from dynamics import exact_case
 from recursion import inertia_matrix, inverse_dynamics
 from robots import random_robot
+from trees import planar_tree, sympified
 
 from moro import Model
 from moro.abc import joint_variable, symbol
@@ -99,19 +100,6 @@ class TestPlacement:
         assert Placement(R, (0, 0, 0)).steps == (Shift((0, 0, 0)), Rotation(R))
 
 
-def planar_tree():
-    """A trunk with two arms of two joints each, all axes parallel; gravity along -y."""
-    parents, along_x = (-1, 0, 1, 0, 3), ("", "l_1", "l_2", "l_1", "l_4")
-    joints, bodies, zero = [], [], sp.Integer(0)
-    for i, (parent, length) in enumerate(zip(parents, along_x, strict=True), 1):
-        way = [Shift((sp.Symbol(length), zero, zero))] if length else []
-        joints.append(Joint(REVOLUTE, parent, Placement.by(*way)))
-        m, r, I = symbol("m", i), symbol("lc", i), sp.Symbol(f"I_{i}")
-        J = ((zero, zero, zero), (zero, zero, zero), (zero, zero, I + m * r**2))
-        bodies.append(Body(m, (m * r, zero, zero), J))
-    return Model("two_arms", tuple(joints), tuple(bodies), (zero, -symbol("g"), zero))
-
-
 class TestPlanarTree:
     def test_prints_as_a_text_would(self):
         ring = TrigRing()
@@ -119,10 +107,10 @@ class TestPlanarTree:
         q1, _, q3, q4, q5 = map(joint_variable, range(1, 6))
         M = [[ring.expanded(x) for x in row] for row in form.inertia_matrix]
         assert M[1][3] == M[1][4] == M[2][3] == M[2][4] == 0
-        m3, l2, lc3, I3 = sp.symbols("m_3 l_2 lc_3 I_3")
+        m3, l2, lc3, I3 = sp.symbols("m_3 l_2 l_c3 I_3")
         assert M[2][2] == sp.expand(I3 + m3 * lc3**2)
         assert ring.convert(M[1][2]) == ring.convert(I3 + m3 * lc3**2 + m3 * l2 * lc3 * sp.cos(q3))
-        g, m5, lc5 = sp.symbols("g m_5 lc_5")
+        g, m5, lc5 = sp.symbols("g m_5 l_c5")
         G5 = g * m5 * lc5 * sp.cos(q1 + q4 + q5)
         assert form.gravity_vector[4] == ring.convert(G5)
 
@@ -134,11 +122,6 @@ class TestPlanarTree:
         assert ring.convert(sp.cos(q1 + q4)).terms == ring.convert(sp.cos(q4 + q1)).terms
         between = ring.convert(sp.sin(q2 - q4))
         assert between == ring.convert(sp.sin((q1 + q2) - (q1 + q4)))
-
-
-def sympified(model):
-    """A model of fractions in SymPy's numbers."""
-    return model.map(lambda x: sp.Rational(x.numerator, x.denominator) if x else sp.Integer(0))
 
 
 def both_routes(form, ring):
