@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Sequence
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from moro.meant import hint
-from moro.model import Model
+from moro.model import Model, as_model
 from moro_codegen.expressions import UserFunction
 from moro_codegen.functions import FUNCTIONS, KNOWN, REGRESSOR, Function
 from moro_codegen.regressor import Regressor
@@ -23,15 +23,16 @@ DERIVED = re.compile(r"(.+?)(_batch|_loop|_lanes|_\d+|_lanes_\d+)")
 
 
 def requested(
-    functions: Sequence[Request], model: Model, reserved: Collection[str] = ()
+    functions: Sequence[Request], robot: Any, reserved: Collection[str] = ()
 ) -> tuple[Function, ...]:
-    """Return the functions asked for, ready for a model.
+    """Return the functions asked for, ready for a robot or a model.
 
     Raises ValueError for a name that does not exist, is asked for twice, or is among those
     ``reserved``; TypeError for what is no request.
     """
     if isinstance(functions, str):
         raise TypeError(f"functions is a tuple of names: functions=({functions!r},)")
+    model = as_model(robot)
     found = [_requested(item, model) for item in functions]
     own = [item for item in _flat(functions) if isinstance(item, UserFunction)]
     names = [function.name for function in found]

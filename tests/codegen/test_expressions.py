@@ -143,7 +143,7 @@ def test_unknown_symbols_are_named(arm):
     with pytest.raises(
         ValueError, match=r"payload_moment contains .*k, m_payload, q_3\(t\), t:"
     ) as e:
-        function.entry(arm)
+        function.entry(arm.model())
     assert "Derivative(q_2(t), (t, 3))" in str(e.value)
     assert "q_1(t), q_2(t)" in str(e.value)
     assert "its parameters m_2, l_1, l_2" in str(e.value)
