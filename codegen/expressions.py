@@ -19,7 +19,7 @@ from sympy.core.function import AppliedUndef
 
 from moro.abc import t
 from moro.checks import number, suggestion
-from moro.model import Model
+from moro.model import Model, as_model
 from moro_codegen.convert import Converter
 from moro_codegen.emit.c import RESERVED as C_NAMES
 from moro_codegen.emit.cython import RESERVED as CYTHON_NAMES
@@ -82,12 +82,12 @@ class UserFunction:
         own = own_defaults(self.parameters, self.results, self.name)
         object.__setattr__(self, "parameters", own)
 
-    def entry(self, model: Model) -> Function:
-        """Return the function for a model.
+    def entry(self, robot: Any) -> Function:
+        """Return the function for a robot or a model.
 
         Raises ValueError if there are symbols that neither has, or that both have.
         """
-        scope = Scope.of(model, self.parameters, self.name)
+        scope = Scope.of(as_model(robot), self.parameters, self.name)
         formula = Formula.of(self.name, self.results, scope)
         entry = formula.entry(self.summary, self.unit)
         return replace(entry, parameters=self.parameters)
