@@ -11,7 +11,6 @@ import argparse
 import json
 import platform
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,9 +20,11 @@ from benchmarks.charts import draw_accuracy
 from moro.io import packaged
 from moro_codegen import build, compile
 from moro_codegen.accuracy import sine_errors, tau_errors
-from moro_codegen.functions import Argument, Function, System
-from moro_codegen.generate import Program, routine
+from moro_codegen.arguments import Argument
+from moro_codegen.functions import Function, System
 from moro_codegen.graph import Graph
+from moro_codegen.program import Program, routine
+from moro_codegen.signature import real
 
 RESULTS = Path(__file__).parent / "results"
 STATES = 500
@@ -55,8 +56,7 @@ def errors_of_sines(dtype: str) -> np.ndarray:
         lambda system, q: [[system.graph.sin(q[0])], [system.graph.cos(q[0])]],
     )  # fmt: skip
     entry = routine(System(Graph(), moro.load("two_link").model()), pair)
-    program = Program("circle", 1, ("revolute",), (), (entry,))
-    program = replace(program, scalar="float" if dtype == "float32" else "double")
+    program = Program("circle", 1, ("revolute",), (), (entry,), real(dtype))
     rng = np.random.default_rng(1)
     limit = TYPES[dtype]
     x = np.concatenate([rng.uniform(-4, 4, ANGLES // 2), rng.uniform(-limit, limit, ANGLES // 2)])

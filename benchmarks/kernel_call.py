@@ -20,7 +20,7 @@ import numpy as np
 
 import moro
 from moro_codegen import Kernel, compile
-from moro_codegen.toolchain import find_compiler
+from moro_codegen.backends.toolchain import find_compiler
 
 ARMS = ("two_link", "puma560", "stanford_arm", "ur5", "panda")
 BATCH = 4096

@@ -1,7 +1,8 @@
 """moro_codegen: compiled kernels of robot models.
 
 compile         a robot's dynamics as compiled functions: a Kernel
-build           the same for a generated program, in a folder of one's own
+generate        those functions as a Program, before any language
+build           the kernel of a program, in a folder of one's own
 lambdify        any symbolic result as a fast function of NumPy arrays
 FUNCTIONS       what can be compiled, by name
 Function        a SymPy expression as one more function to compile
@@ -13,13 +14,14 @@ from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from moro_codegen.builder import build, compile
+    from moro_codegen.backends.toolchain import ToolchainError
     from moro_codegen.expressions import UserFunction as Function
     from moro_codegen.functions import KNOWN as FUNCTIONS
-    from moro_codegen.kernel import Kernel
+    from moro_codegen.kernel.kernel import Kernel
     from moro_codegen.lambdified import lambdify
+    from moro_codegen.pipeline import build, compile
+    from moro_codegen.program import Program, generate
     from moro_codegen.regressor import Regressor
-    from moro_codegen.toolchain import ToolchainError
     from moro_codegen.verification import Verification, verify
 
 # sees to it that `import moro` finds the moro that belongs here
@@ -29,11 +31,13 @@ __all__ = [
     "FUNCTIONS",
     "Function",
     "Kernel",
+    "Program",
     "Regressor",
     "ToolchainError",
     "Verification",
     "build",
     "compile",
+    "generate",
     "lambdify",
     "verify",
 ]
@@ -42,12 +46,14 @@ __all__ = [
 _HOMES = {
     "FUNCTIONS": "moro_codegen.functions:KNOWN",
     "Function": "moro_codegen.expressions:UserFunction",
-    "Kernel": "moro_codegen.kernel:Kernel",
+    "Kernel": "moro_codegen.kernel.kernel:Kernel",
+    "Program": "moro_codegen.program:Program",
     "Regressor": "moro_codegen.regressor:Regressor",
-    "ToolchainError": "moro_codegen.toolchain:ToolchainError",
+    "ToolchainError": "moro_codegen.backends.toolchain:ToolchainError",
     "Verification": "moro_codegen.verification:Verification",
-    "build": "moro_codegen.builder:build",
-    "compile": "moro_codegen.builder:compile",
+    "build": "moro_codegen.pipeline:build",
+    "compile": "moro_codegen.pipeline:compile",
+    "generate": "moro_codegen.program:generate",
     "lambdify": "moro_codegen.lambdified:lambdify",
     "verify": "moro_codegen.verification:verify",
 }

@@ -19,7 +19,7 @@ from moro.algorithms.drives import drive_torques
 from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import posture
 from moro.model import Model
-from moro_codegen.kernel import Kernel
+from moro_codegen.kernel.kernel import Kernel
 
 Array: TypeAlias = npt.NDArray[np.floating[Any]]
 

@@ -12,8 +12,7 @@ import sympy as sp
 
 from moro import Robot
 from moro.abc import t
-from moro_codegen.emit.describe import shape
-from moro_codegen.kernel import Kernel
+from moro_codegen.kernel.kernel import Kernel
 from moro_codegen.progress import tell
 from moro_codegen.verification import for_kernel, parameter_values
 
@@ -82,7 +81,7 @@ def time_function(kernel: Kernel, robot: Robot, name: str) -> list[Timing]:
     values = parameter_values(robot.model(), rng)
     signature = kernel.signatures[name]
     dtype = signature.dtype
-    batch = [rng.uniform(-1, 1, (BATCH, *shape(a))).astype(dtype) for a in signature.given]
+    batch = [rng.uniform(-1, 1, (BATCH, *a.sizes)).astype(dtype) for a in signature.given]
     names: dict[str, Any] = {
         "function": getattr(kernel, name),
         "one": [x[0].copy() for x in batch],

@@ -40,6 +40,11 @@ class Operand(NamedTuple):
     description: str = ""
 
 
+def parameters_operand(count: int) -> tuple[Operand, ...]:
+    """Return so many run-time parameters as one array, the last input; none if there are none."""
+    return (Operand("parameters", (count,), "run-time parameters, in order"),) if count else ()
+
+
 class Calls:
     """The calls of one function: f(*inputs, parameters=None, out=None, *, threads=1).
 
@@ -68,10 +73,7 @@ class Calls:
     @cached_property
     def operands(self) -> tuple[Operand, ...]:
         """What is read: the inputs, then the run-time parameters as one array if there are any."""
-        if not self.parameters:
-            return self.inputs
-        shape = (len(self.parameters),)
-        return (*self.inputs, Operand("parameters", shape, "run-time parameters, in order"))
+        return (*self.inputs, *parameters_operand(len(self.parameters)))
 
     @property
     def text(self) -> str:

@@ -20,20 +20,14 @@ from sympy.core.function import AppliedUndef
 from moro.abc import t
 from moro.checks import number, suggestion
 from moro.model import Model, as_model
+from moro_codegen import registry
+from moro_codegen.arguments import Argument
 from moro_codegen.convert import Converter
-from moro_codegen.emit.c import RESERVED as C_NAMES
-from moro_codegen.emit.cython import RESERVED as CYTHON_NAMES
-from moro_codegen.emit.numpy import IN_MODULE
-from moro_codegen.emit.numpy import RESERVED as NUMPY_NAMES
-from moro_codegen.functions import QD, QDD, Argument, Function, Q, System
+from moro_codegen.functions import QD, QDD, Function, Q, System
 from moro_codegen.graph import Graph, Node
 
 #: what an expression can depend on besides parameters, in the order of a function's inputs
 MOTION = (Q, QD, QDD)
-#: names that generated code uses itself
-TAKEN = frozenset(
-    {*C_NAMES, *CYTHON_NAMES, *NUMPY_NAMES, *IN_MODULE, *keyword.kwlist, *(a.name for a in MOTION)}
-)
 #: longer expressions are not written out in headers and docstrings
 SHOWN = 200
 
@@ -256,7 +250,7 @@ def check_name(name: Any) -> None:
             f"a function cannot be named {name!r}: letters, digits and underscores only, a letter "
             "first"
         )
-    if name in TAKEN:
+    if keyword.iskeyword(name) or name in {a.name for a in MOTION} | registry.reserved():
         raise ValueError(f"a function cannot be named {name!r}: generated code uses that name")
 
 

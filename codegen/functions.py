@@ -25,34 +25,17 @@ from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import Posture, posture, with_frame
 from moro.model import Model
 from moro.spatial.vectors import Scalar
+from moro_codegen.arguments import Argument
 from moro_codegen.differentiate import jacobian
-from moro_codegen.factor import factored
-from moro_codegen.frames import (
-    common_normals,
-    equivalent_postures,
-    turnable_parallels,
-    unturned,
-)
 from moro_codegen.graph import Graph, Node, fewest, replaced
+from moro_codegen.passes import PASSES, Pass, equivalent_postures, rearranged
+from moro_codegen.passes.factor import factored
 from moro_codegen.singular import singular, unresisted
 
-#: a dimension is a number, or "n" for the number of joints
-Shape = tuple[str | int, ...]
 #: from an arm in a posture to results, flat
 Algorithm = Callable[[Posture], Sequence[Scalar]]
 #: a sequence of nodes for every output, flat
 Outputs = list[Sequence[Node]]
-
-
-@dataclass(frozen=True)
-class Argument:
-    """An input or output array: row-major, components of ``shape``."""
-
-    name: str
-    shape: Shape
-    unit: str
-    #: what it is, with the frame it is expressed in
-    description: str
 
 
 @dataclass(frozen=True)
@@ -65,6 +48,8 @@ class System:
     rigid: bool = False
     #: the run-time parameters, by symbol
     parameters: Mapping[Any, Node] = field(default_factory=dict)
+    #: what its functions are made small by
+    passes: tuple[Pass, ...] = PASSES
 
     @property
     def rotors(self) -> list[Scalar]:
@@ -94,21 +79,19 @@ class System:
         With run-time parameters, again with sums searched for what cancels: parameters that the
         equations do not have, at the cost of parts that sums shared.
         """
-        arms = list(equivalent_postures(arm))
+        arms = list(equivalent_postures(arm, self.passes))
         yield from (run(arm) for run in algorithms for arm in arms)
         if self.graph.has_parameters:
             self.graph.cancels = True
             for run in algorithms:
-                for other in equivalent_postures(arm):
+                for other in equivalent_postures(arm, self.passes):
                     yield factored([self.graph.constant(x) for x in run(other)])
             self.graph.cancels = False
 
     def geometry(self, q: Sequence[Node], algorithm: Algorithm) -> list[Node]:
         """Return the cheapest results for the arm itself, with frame n as a further link."""
-        given = self.with_tip(q)
-        arms = (given, *common_normals(given))
-        turned = (unturned(arm, turnable_parallels(arm)) for arm in arms)
-        return fewest((algorithm(arm) for arm in (*arms, *turned)), self.graph)
+        arm = self.with_tip(q)
+        return fewest((algorithm(x) for x in rearranged(arm, self.passes)), self.graph)
 
     def drives(self, qd: Sequence[Node], qdd: Sequence[Scalar]) -> tuple[Scalar, ...]:
         """Return the torques of rotor inertia and friction."""

@@ -33,7 +33,7 @@ def versions() -> str:
     from importlib import metadata
 
     import moro
-    from moro_codegen.toolchain import ToolchainError, find_compiler
+    from moro_codegen.backends.toolchain import ToolchainError, find_compiler
 
     try:
         compiler = find_compiler().version

@@ -11,15 +11,13 @@ import numpy as np
 
 from moro.model import Model, as_model
 from moro.robot import Robot
+from moro_codegen.backends.floats import emit as emit_floats
+from moro_codegen.backends.numpy import functions as emit_numpy
 from moro_codegen.calls import Calls
-from moro_codegen.described import described
 from moro_codegen.emit.describe import docstring
-from moro_codegen.emit.floats import emit as emit_floats
-from moro_codegen.emit.numpy import functions as emit_numpy
 from moro_codegen.expressions import Formula, Scope, own_defaults, results_of
-from moro_codegen.generate import Program, arranged, run_time_parameters
 from moro_codegen.graph import Graph
-from moro_codegen.signature import Signature
+from moro_codegen.program import arranged, assembled, parameter_nodes
 
 NAME = "lambdified"
 
@@ -49,16 +47,11 @@ def lambdify(
     formula = Formula.of("the expression", results, Scope.of(model, own, "the expression"))
     defaults = {s: x for s, x in {**model.defaults, **own}.items() if s in formula.used}
     graph = Graph()
-    nodes = {symbol: graph.input("parameters", k) for k, symbol in enumerate(defaults)}
+    nodes = parameter_nodes(graph, defaults)
     function = replace(formula, name=NAME).entry("The expression of a robot given.", "SI")
-    program = Program(
-        model.name,
-        model.dof,
-        tuple(joint.type.name for joint in model.joints),
-        run_time_parameters(defaults),
-        (arranged(function, graph, model.dof, partial(formula.nodes, graph, nodes)),),
-    )
-    signature = Signature.of(described(program, model), *program.routines)
+    routine = arranged(function, graph, model.dof, partial(formula.nodes, graph, nodes))
+    program = assembled(model, defaults, [routine])
+    (signature,) = program.signatures
     calls = signature.calls
     of_arrays = _function(emit_numpy(program), f"_{NAME}_of_arrays")
     of_floats = _function(emit_floats(program), NAME)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Sequence
-from typing import Any, TypeAlias
+from collections.abc import Sequence
+from typing import TypeAlias
 
 from moro.meant import hint
-from moro.model import Model, as_model
+from moro.model import Model
 from moro_codegen.expressions import UserFunction
 from moro_codegen.functions import FUNCTIONS, KNOWN, REGRESSOR, Function
 from moro_codegen.regressor import Regressor
 from moro_codegen.together import together
 
-#: a name of KNOWN, the regressor with a choice, or a function of one's own
-One: TypeAlias = str | Regressor | UserFunction
+#: a name of KNOWN, the regressor with a choice, a function of one's own, or any that is ready
+One: TypeAlias = str | Regressor | UserFunction | Function
 #: one of these, or a tuple of several to be computed together
 Request: TypeAlias = One | tuple[One, ...]
 
@@ -22,17 +22,14 @@ Request: TypeAlias = One | tuple[One, ...]
 DERIVED = re.compile(r"(.+?)(_batch|_loop|_lanes|_\d+|_lanes_\d+)")
 
 
-def requested(
-    functions: Sequence[Request], robot: Any, reserved: Collection[str] = ()
-) -> tuple[Function, ...]:
-    """Return the functions asked for, ready for a robot or a model.
+def requested(functions: Sequence[Request], model: Model) -> tuple[Function, ...]:
+    """Return the functions asked for, ready for a model.
 
-    Raises ValueError for a name that does not exist, is asked for twice, or is among those
-    ``reserved``; TypeError for what is no request.
+    Raises ValueError for a name that does not exist or is asked for twice; TypeError for what is no
+    request.
     """
     if isinstance(functions, str):
         raise TypeError(f"functions is a tuple of names: functions=({functions!r},)")
-    model = as_model(robot)
     found = [_requested(item, model) for item in functions]
     own = [item for item in _flat(functions) if isinstance(item, UserFunction)]
     names = [function.name for function in found]
@@ -40,8 +37,6 @@ def requested(
         derived = DERIVED.fullmatch(name)
         if name in KNOWN:
             raise ValueError(f"a function cannot be named {name!r}: that is one of moro's own")
-        if name in reserved:
-            raise ValueError(f"a function cannot be named {name!r}: every kernel has a {name}")
         if derived and derived[1] in names:
             raise ValueError(f"a function cannot be named {name!r}: that belongs to {derived[1]}")
     for name in names:
@@ -62,6 +57,8 @@ def named(name: str, model: Model) -> Function:
 def _requested(item: Request, model: Model) -> Function:
     if isinstance(item, str):
         return named(item, model)
+    if isinstance(item, Function):
+        return item
     if isinstance(item, (Regressor, UserFunction)):
         return item.entry(model)
     if isinstance(item, tuple):

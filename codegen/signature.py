@@ -1,19 +1,33 @@
-"""What a kernel's function takes and returns, kept in the manifest."""
+"""Signatures: what a function of a kernel takes and gives, of which type, at what cost."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
-from moro_codegen.calls import Calls, Operand
-from moro_codegen.emit.describe import all_inputs, core_shapes, shape
-from moro_codegen.functions import Argument
-from moro_codegen.generate import Parameter, Program, Routine
+import numpy as np
+
+from moro_codegen.arguments import Argument
+from moro_codegen.calls import Calls, Operand, parameters_operand
+
+#: what kernels compute with, as C calls it
+Real: TypeAlias = Literal["double", "float"]
 
 #: NumPy's names of C's types
-DTYPES = {"double": "float64", "float": "float32"}
+DTYPES: dict[Real, str] = {"double": "float64", "float": "float32"}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of the model that is given at run time."""
+
+    name: str
+    default: float | None
+    #: what it is of the robot, "mass of link 2"; or ""
+    description: str
 
 
 @dataclass(frozen=True)
@@ -41,20 +55,6 @@ class Signature:
     #: of all arrays: float64 or float32
     dtype: str = "float64"
 
-    @classmethod
-    def of(cls, program: Program, routine: Routine) -> Signature:
-        """Return the signature of a routine."""
-        return cls(
-            routine.function.name,
-            routine.function.summary,
-            all_inputs(program, routine),
-            routine.outputs,
-            program.parameters,
-            routine.ops,
-            tuple(Part(part.name, len(part.outputs)) for part in routine.function.parts),
-            DTYPES[program.scalar],
-        )
-
     def as_json(self) -> dict[str, Any]:
         """Return the signature in the types of JSON."""
         return asdict(self)
@@ -79,19 +79,23 @@ class Signature:
     @property
     def core(self) -> str:
         """The shapes as NumPy writes them for its generalized functions: (6),(6),(6)->(6)."""
-        return core_shapes(self.inputs, self.outputs)
+
+        def core(arguments: Iterable[Argument]) -> str:
+            return ",".join(f"({','.join(map(str, a.shape))})" for a in arguments)
+
+        return f"{core(self.inputs)}->{core(self.outputs)}"
 
     @cached_property
     def given(self) -> tuple[Argument, ...]:
         """The inputs that a call must name: all but the run-time parameters."""
-        return self.inputs[:-1] if self.parameters else self.inputs
+        return self.inputs[: len(self.inputs) - len(parameters_input(self.parameters))]
 
     @cached_property
     def calls(self) -> Calls:
         """The calls of the function, with their checks."""
 
         def operands(arguments: Sequence[Argument]) -> tuple[Operand, ...]:
-            return tuple(Operand(a.name, shape(a), a.description) for a in arguments)
+            return tuple(Operand(a.name, a.sizes, a.description) for a in arguments)
 
         return Calls(
             self.name,
@@ -101,3 +105,21 @@ class Signature:
             sum(self.ops.values()),
             self.dtype,
         )
+
+
+def parameters_input(parameters: Sequence[Parameter]) -> tuple[Argument, ...]:
+    """Return run-time parameters as an input, the last one; none if there are none."""
+    return tuple(
+        Argument(operand.name, operand.shape, "SI", operand.description)
+        for operand in parameters_operand(len(parameters))
+    )
+
+
+def real(dtype: Any) -> Real:
+    """Return the type of C for a type of NumPy's, or for its name in C."""
+    if isinstance(dtype, str) and dtype in DTYPES:
+        return "float" if dtype == "float" else "double"  # the words of C and of the command
+    scalars = {name: scalar for scalar, name in DTYPES.items()}
+    with suppress(TypeError, KeyError):
+        return scalars[np.dtype(dtype).name]
+    raise ValueError(f'dtype must be "float64" or "float32", not {dtype!r}')

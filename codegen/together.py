@@ -6,7 +6,8 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
-from moro_codegen.functions import Argument, Function, System, own_parameters
+from moro_codegen.arguments import Argument
+from moro_codegen.functions import Function, System, own_parameters
 from moro_codegen.graph import Node
 
 

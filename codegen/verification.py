@@ -13,7 +13,7 @@ import sympy as sp
 from moro import Robot
 from moro.model import Model, as_model
 from moro_codegen.expressions import Formula, Scope, UserFunction
-from moro_codegen.kernel import Kernel
+from moro_codegen.kernel.kernel import Kernel
 from moro_codegen.progress import shown, tell
 from moro_codegen.symbolic_route import (
     STATES_LIMIT,

@@ -23,9 +23,9 @@ from typing import Any
 from benchmarks.figures import faster_peers, figures
 from moro import load
 from moro_codegen import FUNCTIONS
-from moro_codegen.functions import Argument
-from moro_codegen.generate import generate
-from moro_codegen.toolchain import find_compiler
+from moro_codegen.arguments import Argument
+from moro_codegen.backends.toolchain import find_compiler
+from moro_codegen.program import generate
 
 ROOT = Path(__file__).resolve().parent.parent
 BLOCK = re.compile(r"^(<!-- write: ([^\n]+) -->\n)(.*?)^(<!-- end -->)$", re.MULTILINE | re.DOTALL)
@@ -93,10 +93,7 @@ def arguments() -> str:
 def drives(arm: str) -> str:
     """Return what friction and rotor inertia add to the operations of tau, as a sentence."""
     robot = load(arm)
-    whole, rigid = (
-        generate(robot.model(), ("tau",), robot.parameters, rigid=alone).routines[0].ops
-        for alone in (False, True)
-    )
+    whole, rigid = (generate(robot, rigid=alone).routines[0].ops for alone in (False, True))
     count = [sum(ops[kind] for kind in ("add", "sub", "mul", "div")) for ops in (whole, rigid)]
     return (
         f"Of the {count[0]} operations, {count[0] - count[1]} are for friction and rotor inertia. "

@@ -29,10 +29,8 @@ from moro import Robot, load
 from moro.abc import q1
 from moro.io import RobotFileError, packaged
 from moro.io.expressions import FUNCTIONS, ExpressionError, parse
-from moro_codegen.builder import sources
-from moro_codegen.described import described
-from moro_codegen.generate import generate
-from moro_codegen.requested import requested
+from moro_codegen.pipeline import sources
+from moro_codegen.program import generate
 
 PLAIN_NAME = "plain_name"
 #: seconds that any one input may take
@@ -201,10 +199,9 @@ def emitted(mass, text):
     robot.inertia_tensors = [[[1, 0, 0], [0, 1, 0], [0, 0, 1]]]
     robot.gravity = [0, -9, 0]
     own = mc.Function("f", mass * q1, summary=text, unit=text)
-    model = robot.model()
-    program = generate(model, requested(("tau", own), model), model.defaults)
-    program = described(program, model)
-    texts = sources(program, "c", ("cython", "python"))
+    program = generate(robot, ("tau", own))
+    written = sources(program, "c", ("cython", "python")).values()
+    texts = {path: text for texts in written for path, text in texts.items()}
     return {path: stripped(path, text) for path, text in texts.items() if not path.endswith(".md")}
 
 

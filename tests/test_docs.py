@@ -18,7 +18,7 @@ import moro
 from docs import blocks
 from docs.refresh import write_file
 from moro import Robot, load
-from moro_codegen.generate import generate
+from moro_codegen.program import generate
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]

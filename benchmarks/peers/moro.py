@@ -13,7 +13,7 @@ from benchmarks.arms import Arm
 from benchmarks.native import LIBRARIES, Loop, library
 from benchmarks.tasks import Call, Task
 from benchmarks.timing import seconds_of
-from moro_codegen.toolchain import find_compiler
+from moro_codegen.backends.toolchain import find_compiler
 
 MADE = CALL = "moro"
 BATCH = "moro, batch"

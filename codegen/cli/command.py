@@ -12,10 +12,10 @@ import click
 
 from moro.io import packaged
 from moro.meant import hint
-from moro_codegen import FUNCTIONS
+from moro_codegen import FUNCTIONS, registry
+from moro_codegen.backends.toolchain import ToolchainError
 from moro_codegen.cli.given import read
 from moro_codegen.installation import versions
-from moro_codegen.toolchain import ToolchainError
 
 #: what a person can cause: bad input, no compiler, a folder that cannot be written
 EXPECTED = (ValueError, TypeError, OSError, ToolchainError)
@@ -23,7 +23,6 @@ EXPECTED = (ValueError, TypeError, OSError, ToolchainError)
 WIDTH = 78
 #: what NumPy calls the scalar types
 NUMPY_NAMES = {"float64": "double", "float32": "float"}
-LANGUAGES = ("c", "cython", "python")
 
 
 def _epilog() -> str:
@@ -110,7 +109,7 @@ class _Scalar(click.Choice):  # type: ignore[type-arg]
 )
 @click.option(
     "--backend",
-    type=click.Choice(["c", "cython", "numpy"]),
+    type=click.Choice(registry.names()),
     default="c",
     show_default=True,
     help="Compiled C, a Cython extension, or a Python module with NumPy, which needs no compiler.",
@@ -125,7 +124,7 @@ class _Scalar(click.Choice):  # type: ignore[type-arg]
 @click.option(
     "--emit",
     "languages",
-    type=_Names(LANGUAGES),
+    type=_Names(registry.languages()),
     default=(),
     help="Sources to write besides: c, cython (a package that pip installs without moro), python.",
 )
@@ -195,7 +194,7 @@ def main(
 
 def _clear_cache(context: click.Context) -> None:
     """Remove the user's kernels but those that are being built."""
-    from moro_codegen import store
+    from moro_codegen.kernel import store
 
     try:
         folder = store.cache()

@@ -5,19 +5,17 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from moro import Robot
 from moro_codegen.benchmark import LAMBDIFY_TERMS, Timing, lambdify_tau, time_function, time_tau
-from moro_codegen.builder import build, compile
-from moro_codegen.described import described
-from moro_codegen.generate import generate
-from moro_codegen.kernel import Kernel
+from moro_codegen.kernel.kernel import Kernel
+from moro_codegen.pipeline import built, compile
+from moro_codegen.program import generate
 from moro_codegen.progress import shown, tell
-from moro_codegen.requested import requested
 from moro_codegen.verification import SymbolicRoute, Verification, verify
 
 
@@ -80,21 +78,17 @@ def _built(
     robot: Robot, order: Order, source: Mapping[str, str], times: dict[str, float]
 ) -> Kernel:
     """Return the kernel in its folder."""
-    start = time.perf_counter()
-    model = robot.model()
-    program = generate(model, requested(order.functions, model), model.defaults)
-    program = replace(described(program, model), scalar=order.scalar)
-    generated = time.perf_counter() - start
-    folder = order.output / robot.name
-    kernel = build(
-        program,
-        folder,
+    kernel = built(
+        robot,
+        order.functions,
+        order.output / robot.name,
         order.backend,
+        dtype=order.scalar,
         arch=order.arch,
         languages=order.languages,
         source=source,
     )
-    times["generate"] = generated + kernel.timings["emit"]
+    times["generate"] = kernel.timings["generate"] + kernel.timings["emit"]
     times["compile"] = kernel.timings["compile"]
     return kernel
 
@@ -104,10 +98,7 @@ def _rigid(robot: Robot, order: Order) -> Mapping[str, int] | None:
     drives = robot.viscous_friction, robot.coulomb_friction, robot.rotor_inertias
     if len(order.functions) != 1 or not any(x != 0 for values in drives for x in values or ()):
         return None
-    model = robot.model()
-    functions = requested(order.functions, model)
-    program = generate(model, functions, model.defaults, rigid=True)
-    return program.routines[0].ops
+    return generate(robot, order.functions, rigid=True).routines[0].ops
 
 
 def _timings(kernel: Kernel, robot: Robot, route: SymbolicRoute) -> list[Timing]:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from moro_codegen.emit.escape import printable
-from moro_codegen.functions import Argument
 
 if TYPE_CHECKING:
-    from moro_codegen.generate import Parameter, Program, Routine
-    from moro_codegen.signature import Signature
+    from moro_codegen.arguments import Argument
+    from moro_codegen.program import Program, Routine
+    from moro_codegen.signature import Parameter, Signature
 
 _UNITS = {"revolute": "rad, torque in N m", "prismatic": "m, force in N"}
 _CONVENTIONS = {"dh": "standard", "mdh": "modified"}
@@ -25,33 +24,6 @@ _COUNTED = {
     "sign": "signs",
     "call": "calls of libm",
 }
-
-
-def all_inputs(program: Program, routine: Routine) -> tuple[Argument, ...]:
-    """Return the routine's inputs, the run-time parameters as the last one if there are any."""
-    if not program.parameters:
-        return routine.inputs
-    shape = (len(program.parameters),)
-    return (*routine.inputs, Argument("parameters", shape, "SI", "run-time parameters, in order"))
-
-
-def size(argument: Argument) -> int:
-    """Return the number of components."""
-    return math.prod(shape(argument))
-
-
-def shape(argument: Argument) -> tuple[int, ...]:
-    """Return the shape, which a routine has in numbers."""
-    return tuple(int(n) for n in argument.shape)
-
-
-def core_shapes(inputs: Iterable[Argument], outputs: Iterable[Argument]) -> str:
-    """Return the shapes as NumPy writes them for its generalized functions: (6),(6),(6)->(6)."""
-
-    def core(arguments: Iterable[Argument]) -> str:
-        return ",".join(f"({','.join(map(str, shape(a)))})" for a in arguments)
-
-    return f"{core(inputs)}->{core(outputs)}"
 
 
 def conventions(program: Program) -> list[str]:
@@ -92,7 +64,7 @@ def parameter_lines(program: Program) -> list[str]:
 def argument_lines(arguments: Iterable[Argument]) -> list[str]:
     """Return a line per argument: name and shape, unit, meaning with its frame."""
     arguments = tuple(arguments)
-    names = [a.name + "".join(f"[{n}]" for n in shape(a)) for a in arguments]
+    names = [a.name + "".join(f"[{n}]" for n in a.shape) for a in arguments]
     units = [printable(f"[{a.unit}]") for a in arguments]
     wide, wider = max(map(len, names), default=0), max(map(len, units), default=0)
     return [

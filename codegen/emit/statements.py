@@ -16,12 +16,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from moro_codegen.emit.describe import shape, size
-
 if TYPE_CHECKING:
-    from moro_codegen.functions import Argument
-    from moro_codegen.generate import Program, Routine
+    from moro_codegen.arguments import Argument
     from moro_codegen.graph import Node
+    from moro_codegen.program import Program, Routine
 
 #: an expression longer than this gets a name of its own
 WIDTH = 76
@@ -155,7 +153,7 @@ def literal(value: object, suffix: str = "") -> str:
 
 def component(argument: Argument, index: int) -> str:
     """Return the name of a component, counted from 1: q3, M12."""
-    sizes = shape(argument)
+    sizes = argument.sizes
     if not sizes:
         return argument.name
     places = []
@@ -208,7 +206,7 @@ class _Writer:
         """Name what is read: joint variables by their index, parameters by their own names."""
         names = {}
         for argument in self.routine.inputs:
-            for k in range(size(argument)):
+            for k in range(argument.size):
                 names[argument.name, k] = self.names.take(component(argument, k))
         for k, parameter in enumerate(self.program.parameters):
             names["parameters", k] = self.names.take(parameter.name)
@@ -220,7 +218,7 @@ class _Writer:
         results = iter(self.routine.results)
         for argument in self.routine.outputs:
             self.names.take(argument.name)
-            for k in range(size(argument)):
+            for k in range(argument.size):
                 node = next(results)
                 if node.op not in ("const", "input", "sin", "cos") and node not in names:
                     names[node] = self.names.take(component(argument, k))

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from programs import EVERYTHING, PARAMETERS, program
 
-from moro_codegen.builder import build
+from moro_codegen.arguments import Argument
 from moro_codegen.calls import Calls, Operand
-from moro_codegen.functions import Argument, Function
+from moro_codegen.functions import Function
+from moro_codegen.pipeline import build
 
 SQUARES = Function(
     "squares",

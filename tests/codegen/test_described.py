@@ -8,10 +8,9 @@ import moro as mr
 import moro_codegen as mc
 from moro.abc import l1, l2, q1, q2
 from moro.meanings import meanings
-from moro_codegen.described import described
-from moro_codegen.emit.c import emit as emit_c
-from moro_codegen.emit.numpy import emit as emit_numpy
-from moro_codegen.generate import generate
+from moro_codegen.backends.c_text import emit as emit_c
+from moro_codegen.backends.numpy import emit as emit_numpy
+from moro_codegen.program import generate
 
 M2, G, V, C, IZ = sp.symbols("m_2 g v c I_z")
 
@@ -44,7 +43,7 @@ def test_meanings():
 def test_only_what_is_there_has_a_meaning():
     robot = mr.Robot((l1, 0, l2, q1), name="bare")
     assert meanings(robot.arm) == {"l_1": "a of row 1", "l_2": "d of row 1"}
-    program = described(generate(robot.model(), ("jacobian",), robot.parameters), robot.model())
+    program = generate(robot, ("jacobian",))
     assert program.gravity is None
     assert not any("Gravity" in text for text in emit_c(program).values())
 
@@ -52,7 +51,7 @@ def test_only_what_is_there_has_a_meaning():
 @pytest.mark.parametrize(("convention", "name"), [("dh", "standard"), ("mdh", "modified")])
 def test_texts(convention, name):
     robot = arm(convention)
-    program = described(generate(robot.model(), ("tau",), robot.parameters), robot.model())
+    program = generate(robot, ("tau",))
     for text in (emit_c(program)["arm.h"], emit_numpy(program)["arm.py"]):
         assert f"Frames 0 (the base) to 2: {name} Denavit-Hartenberg convention." in text
         assert "Gravity, in frame 0: (0, -g, 0.25) m/s^2." in text

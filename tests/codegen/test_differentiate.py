@@ -14,8 +14,8 @@ import moro_codegen as mc
 from moro_codegen.convert import Converter
 from moro_codegen.differentiate import jacobian
 from moro_codegen.functions import FUNCTIONS, System
-from moro_codegen.generate import generate
 from moro_codegen.graph import Graph, count, schedule
+from moro_codegen.program import generate
 
 #: no inertia resists joint 6 of the UR5 as it is published: it has no forward dynamics
 DYNAMIC = [name for name in NAMES if name != "ur5"]
@@ -70,7 +70,7 @@ def test_work_is_shared_with_the_function():
 
 
 def routines(robot, *names):
-    program = generate(robot.model(), names, robot.parameters)
+    program = generate(robot, names)
     return {routine.function.name: routine for routine in program.routines}
 
 

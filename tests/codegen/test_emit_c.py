@@ -10,10 +10,10 @@ import pytest
 from arms import NAMES, reference_model, reference_states
 from programs import EVERYTHING, evaluate, everything_program, program, vector
 
-from moro_codegen.emit.c import emit
+from moro_codegen.backends.c_text import emit
+from moro_codegen.backends.toolchain import find_compiler
 from moro_codegen.functions import Function
-from moro_codegen.generate import generate
-from moro_codegen.toolchain import find_compiler
+from moro_codegen.program import generate
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 COMPILERS = [name for name in ("cc", "gcc", "clang") if shutil.which(name)]
@@ -327,7 +327,7 @@ def test_random_expressions_keep_their_structure(tmp_path):
         return [nodes[-12:]]
 
     one = program(Function("f", (vector("q"),), (vector("y", 12),), "", build), name="tree")
-    from moro_codegen.builder import build as build_kernel
+    from moro_codegen.pipeline import build as build_kernel
 
     kernel = build_kernel(one, tmp_path / "tree")
     q = rng.integers(-9, 10, (20, 3)).astype(float)

@@ -10,11 +10,12 @@ import pytest
 from programs import EVERYTHING, PARAMETERS, everything_program, program, vector
 
 import moro_codegen as mc
-from moro_codegen import extension
-from moro_codegen.builder import build, sources
-from moro_codegen.emit.cython import emit
-from moro_codegen.functions import Argument, Function
-from moro_codegen.toolchain import ToolchainError, find_compiler
+from moro_codegen.arguments import Argument
+from moro_codegen.backends import extension
+from moro_codegen.backends.cython import emit
+from moro_codegen.backends.toolchain import ToolchainError, find_compiler
+from moro_codegen.functions import Function
+from moro_codegen.pipeline import build, sources
 
 MATRIX = Function(
     "of_a_matrix",
@@ -201,8 +202,12 @@ def test_a_failing_compiler_shows_its_own_words(monkeypatch, tmp_path):
 
 
 def test_sources_of_several_languages(tmp_path):
-    texts = sources(everything_program(), "numpy", ("c", "python", "cython"))
-    assert list(texts)[:3] == ["all_ops.py", "all_ops.c", "all_ops.h"]
+    texts = sources(everything_program(), "numpy", ("c", "python", "cython")).values()
+    assert [path for written in texts for path in written][:3] == [
+        "all_ops.py",
+        "all_ops.c",
+        "all_ops.h",
+    ]
     kernel = build(everything_program(), tmp_path / "arm", "numpy", languages=("cython",))
     assert (tmp_path / "arm" / "all_ops_cython" / "setup.py").is_file()
     assert not kernel.reused

@@ -6,8 +6,8 @@ import sys
 from arms import reference_model
 from programs import everything_program
 
-from moro_codegen.emit.numpy import emit
-from moro_codegen.generate import generate
+from moro_codegen.backends.numpy import emit
+from moro_codegen.program import generate
 
 
 def test_it_imports_numpy_only():

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from programs import program, vector
 
-from moro_codegen.builder import build
 from moro_codegen.functions import Function
+from moro_codegen.pipeline import build
 
 COUNTS = range(1, 10)
 LIMIT = 1e5

@@ -8,7 +8,7 @@ import sympy as sp
 import moro as mr
 import moro_codegen as mc
 from moro.abc import q1
-from moro_codegen.emit.c import RESERVED
+from moro_codegen.backends.c_text import RESERVED
 
 
 def macros():

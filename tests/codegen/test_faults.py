@@ -11,10 +11,10 @@ from arms import reference_model
 from programs import affine, files
 
 import moro_codegen as mc
-from moro_codegen import processors
-from moro_codegen.builder import build
-from moro_codegen.generate import generate
-from moro_codegen.toolchain import ProcessorError, ToolchainError, find_compiler
+from moro_codegen.backends import processors
+from moro_codegen.backends.toolchain import ProcessorError, ToolchainError, find_compiler
+from moro_codegen.pipeline import build
+from moro_codegen.program import generate
 
 UNSAFE = [
     "-ffast-math",

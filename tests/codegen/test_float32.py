@@ -12,11 +12,11 @@ from programs import everything_program, program, vector
 
 import moro as mr
 import moro_codegen as mc
-from moro_codegen.builder import build
-from moro_codegen.emit.c import emit
+from moro_codegen.backends.c_text import emit
 from moro_codegen.emit.statements import literal
 from moro_codegen.functions import Function
-from moro_codegen.generate import generate
+from moro_codegen.pipeline import build
+from moro_codegen.program import generate
 
 STRICT = (
     "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Werror",

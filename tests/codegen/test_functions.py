@@ -32,10 +32,10 @@ from moro.algorithms.drives import drive_torques
 from moro.algorithms.factorization import factorized, solution
 from moro.algorithms.newton_euler import joint_torques
 from moro_codegen.convert import Converter
-from moro_codegen.frames import equivalent_postures
 from moro_codegen.functions import FUNCTIONS, System
-from moro_codegen.generate import generate
 from moro_codegen.graph import Graph, count, schedule
+from moro_codegen.passes import equivalent_postures
+from moro_codegen.program import generate
 
 
 class Algorithms:
@@ -131,7 +131,7 @@ def test_forward_dynamics_of_equivalent_arms(seed):
 def functions_of(robot):
     """All functions that the robot has: none of forward dynamics without inertia everywhere."""
     try:
-        generate(robot.model(), ("forward_dynamics",), robot.parameters)
+        generate(robot, ("forward_dynamics",))
     except ValueError:
         return [name for name in TESTED if name != "forward_dynamics"]
     return TESTED

@@ -9,8 +9,8 @@ import sympy as sp
 from exact import exact_values, rational
 
 from moro_codegen.convert import Converter
-from moro_codegen.factor import factored
 from moro_codegen.graph import Graph, constant_value, count, fewest, schedule
+from moro_codegen.passes.factor import factored
 
 
 @pytest.fixture

@@ -15,15 +15,15 @@ from programs import affine, everything_program, files
 
 import moro as mr
 import moro_codegen as mc
-from moro_codegen.builder import build
-from moro_codegen.generate import generate
-from moro_codegen.store import FORMAT
-from moro_codegen.toolchain import ToolchainError, find_compiler
+from moro_codegen.backends.toolchain import ToolchainError, find_compiler
+from moro_codegen.kernel.store import FORMAT
+from moro_codegen.pipeline import build
+from moro_codegen.program import generate
 
 
 def count_compilations(monkeypatch):
     """Return a list that grows with every compilation."""
-    from moro_codegen import toolchain
+    from moro_codegen.backends import toolchain
 
     done = []
     real = toolchain.build

@@ -9,7 +9,7 @@ import moro_codegen as mc
 from moro import Robot
 from moro.abc import q1, q2
 from moro.io import locate
-from moro_codegen.generate import generate
+from moro_codegen.program import generate
 from moro_codegen.requested import requested
 
 m, mx, zz, payload, kp = sp.symbols("M1 MX1 ZZ1 payload Kp")
@@ -55,7 +55,7 @@ def two_links():
 @pytest.mark.parametrize("name", DYNAMICS)
 def test_identified_parameters_need_no_mass(name):
     robot = identified()
-    program = generate(robot.model(), requested((name,), robot), robot.parameters)
+    program = generate(robot, (name,))
     assert "M1" not in [parameter.name for parameter in program.parameters]
     inverse = "forward" in name  # of M, that is ZZ1
     assert program.routines[0].ops["div"] <= inverse
@@ -72,7 +72,7 @@ def test_torques_of_identified_parameters(tmp_path):
 @pytest.mark.parametrize("name", DYNAMICS)
 def test_a_common_centre_of_mass_needs_no_division(name):
     robot = loaded()
-    (routine,) = generate(robot.model(), requested((name,), robot), robot.parameters).routines
+    (routine,) = generate(robot, (name,)).routines
     assert "forward" in name or routine.ops["div"] == 0
 
 
@@ -100,7 +100,7 @@ def test_closed_forms_cancel_denominators():
 @pytest.mark.parametrize("name", DYNAMICS)
 def test_a_planar_arm_asks_for_what_its_equations_have(name):
     robot = two_links()
-    program = generate(robot.model(), requested((name,), robot), robot.parameters)
+    program = generate(robot, (name,))
     found = {parameter.name for parameter in program.parameters}
     assert not {f"I_{{{x}_{i}{x}_{i}}}" for x in "xy" for i in (1, 2)} & found
     assert [p.name for p in program.parameters] == [

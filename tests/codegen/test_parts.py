@@ -8,12 +8,12 @@ import pytest
 from arms import random_model, reference_model
 from programs import evaluate, everything_program
 
-from moro_codegen.builder import LONG, build
-from moro_codegen.emit import c
+from moro_codegen.backends import c_text as c
+from moro_codegen.backends.toolchain import LONG, find_compiler
 from moro_codegen.emit.parts import Keep, Take, in_parts
 from moro_codegen.emit.statements import Assign, Body, Call, Load, Sines, Turn, body
-from moro_codegen.generate import generate
-from moro_codegen.toolchain import find_compiler
+from moro_codegen.pipeline import build
+from moro_codegen.program import generate
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 
@@ -141,7 +141,7 @@ def test_results_may_share_memory_with_inputs(tmp_path, length):
 
 
 def test_long_programs_are_compiled_quickly(tmp_path, monkeypatch):
-    from moro_codegen import builder as module
+    from moro_codegen.backends import toolchain as module
 
     short = build(generate(reference_model("two_link")), tmp_path / "arm")
     assert "-O1" not in short.manifest["compiler"]["flags"]

@@ -13,18 +13,18 @@ from recursion import inverse_dynamics
 from moro.algorithms.newton_euler import joint_torques
 from moro.model import REVOLUTE, Placement
 from moro_codegen.convert import Converter
-from moro_codegen.frames import (
-    equivalent_postures,
+from moro_codegen.functions import System
+from moro_codegen.graph import Graph, constant_value
+from moro_codegen.passes import equivalent_postures
+from moro_codegen.passes.frames import (
     in_unit,
     on_common_normals,
     turnable_leaves,
     turnable_parallels,
     unturned,
 )
-from moro_codegen.functions import System
-from moro_codegen.generate import generate
-from moro_codegen.graph import Graph, constant_value
-from moro_codegen.reduce import reduced
+from moro_codegen.passes.reduce import reduced
+from moro_codegen.program import generate
 
 SEEDS = range(12)
 

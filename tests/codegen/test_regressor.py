@@ -12,11 +12,11 @@ from robots import random_robot
 
 import moro as mr
 from moro.abc import t
-from moro_codegen.builder import build
 from moro_codegen.convert import Converter
 from moro_codegen.functions import System
-from moro_codegen.generate import generate, routine
 from moro_codegen.graph import Graph
+from moro_codegen.pipeline import build
+from moro_codegen.program import generate, routine
 from moro_codegen.regressor import regressor
 
 
@@ -26,7 +26,7 @@ def states(n, count=10):
 
 def program(robot):
     """The program of tau and the regressor."""
-    tau = generate(robot.model(), ("tau",), robot.parameters)
+    tau = generate(robot)
     graph = Graph()
     symbols = {symbol: graph.input("parameters", k) for k, symbol in enumerate(robot.parameters)}
     system = System(graph, robot.model().map(Converter(graph, symbols)), parameters=symbols)

@@ -18,8 +18,9 @@ from programs import affine, everything_program, files
 
 import moro as mr
 import moro_codegen as mc
-from moro_codegen import store, waiting
-from moro_codegen.builder import build
+from moro_codegen import waiting
+from moro_codegen.kernel import store
+from moro_codegen.pipeline import build
 
 
 @pytest.fixture(scope="module", params=["c", "numpy"])

@@ -11,9 +11,9 @@ from arms import reference_model
 from programs import everything_program
 
 from moro_codegen import calls
-from moro_codegen.builder import build
 from moro_codegen.calls import in_threads
-from moro_codegen.generate import generate
+from moro_codegen.pipeline import build
+from moro_codegen.program import generate
 
 
 @pytest.fixture(scope="module", params=["c", "numpy"])

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from moro_codegen.toolchain import CANDIDATES, ToolchainError, build, find_compiler
+from moro_codegen.backends.toolchain import CANDIDATES, ToolchainError, build, find_compiler
 
 GOOD = "double twice(double x);\ndouble twice(double x) { return 2 * x; }\n"
 

@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from moro.model import REVOLUTE, Body, Joint, Model, Placement
-from moro_codegen.functions import Argument, Function, System
-from moro_codegen.generate import Parameter, Program, routine
+from moro_codegen.arguments import Argument
+from moro_codegen.functions import Function, System
 from moro_codegen.graph import Graph
+from moro_codegen.program import Program, routine
+from moro_codegen.signature import Parameter
 
 EYE = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 

@@ -6,18 +6,20 @@ import builtins
 import inspect
 import keyword
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import cache
+from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from moro_codegen import calls
-from moro_codegen.emit.describe import all_inputs, conventions, docstring, shape, size
+from moro_codegen.backends import Backend, Folder, Opened
+from moro_codegen.emit.describe import conventions, docstring
 from moro_codegen.emit.render import render
 from moro_codegen.emit.statements import FAR, Assign, Call, Load, Sines, Statement, Turn, body
-from moro_codegen.signature import Signature
 
 if TYPE_CHECKING:
-    from moro_codegen.generate import Program, Routine
+    from moro_codegen.program import Program, Routine
 
 RESERVED = frozenset({*keyword.kwlist, "np", "out", "samples", "len", "parameters"})
 #: what the module calls something else, for those who name its functions
@@ -30,16 +32,50 @@ NAMES = {
 }  # fmt: skip
 
 
+class NumPy(Backend):
+    """A module that needs no compiler."""
+
+    name = "numpy"
+    language = "python"
+    reserved = RESERVED | IN_MODULE
+
+    def emit(self, program: Program) -> dict[str, str]:
+        """Return the module."""
+        return emit(program)
+
+    def signed(self, texts: Mapping[str, str], name: str, key: str) -> dict[str, str]:
+        """Return the module with its KEY."""
+        path = f"{name}.py"
+        return {**texts, path: texts[path] + render("key.py.jinja", key=key)}
+
+    def loaded(self, folder: Path, name: str) -> Path:
+        """Return the path of the module."""
+        return folder / f"{name}.py"
+
+    def open(self, folder: Folder, content: bytes) -> Opened:
+        """Run the module."""
+        source, module = self.loaded(folder.path, folder.name), ModuleType(folder.name)
+        code = builtins.compile(content, str(source), "exec")
+        exec(code, module.__dict__)  # noqa: S102 - as much ours as a shared library is
+        return Opened(source, self._functions(module, folder), module.KEY)
+
+    def _functions(
+        self, module: ModuleType, folder: Folder
+    ) -> Iterator[tuple[str, Callable[..., Any]]]:
+        for name, s in folder.signatures.items():
+            run = s.calls.in_chunks(getattr(module, f"_{name}_of_arrays"))
+            yield name, s.calls.function(run, "\n".join(docstring(s)))
+
+
 def emit(program: Program) -> dict[str, str]:
     """Return the text of ``<name>.py``, by file name."""
-    signatures = [Signature.of(program, routine) for routine in program.routines]
     text = render(
         "kernel.py.jinja",
         title=f"{program.name}: dynamics of a robot arm with {program.dof} joints.",
         notes=conventions(program),
         functions=functions(program),
         calls_source=calls_source(),
-        signatures=signatures,
+        signatures=program.signatures,
     )
     return {f"{program.name}.py": text}
 
@@ -68,28 +104,28 @@ def far(program: Program, routines: Sequence[Mapping[str, Any]]) -> float | None
 
 def _holes(program: Program, routine: Routine) -> dict[str, Any]:
     """Return what the template says of one routine."""
-    inputs = all_inputs(program, routine)
+    signature = program.signature(routine)
     return {
         "name": routine.function.name,
-        "parameters": ", ".join(a.name for a in inputs),
-        "doc": docstring(Signature.of(program, routine)),
+        "parameters": ", ".join(a.name for a in signature.inputs),
+        "doc": docstring(signature),
         "body": list(_lines(program, routine)),
     }
 
 
 def _lines(program: Program, routine: Routine) -> Iterator[str]:
     """Return the lines of a routine's function."""
-    inputs, outputs = all_inputs(program, routine), routine.outputs
+    inputs, outputs = program.signature(routine).inputs, routine.outputs
     text = body(program, routine, {*RESERVED, *(a.name for a in (*inputs, *outputs))})
     dtype = "np.float32" if program.scalar == "float" else "float"
     leading = ", ".join(f"{a.name}.shape[: {a.name}.ndim - {len(a.shape)}]" for a in inputs)
     yield f"samples = np.broadcast_shapes({leading})"
-    shapes = {a.name: shape(a) for a in inputs}
+    shapes = {a.name: a.sizes for a in inputs}
     lines = [line for statement in text.statements for line in _statement(statement, shapes)]
     results = iter(text.results)
     for a in outputs:
-        lines.append(f"{a.name} = np.empty(samples + {shape(a)}, dtype={dtype})")
-        lines += [f"{a.name}[{_index(shape(a), k)}] = {next(results)}" for k in range(size(a))]
+        lines.append(f"{a.name} = np.empty(samples + {a.sizes}, dtype={dtype})")
+        lines += [f"{a.name}[{_index(a.sizes, k)}] = {next(results)}" for k in range(a.size)]
     yield from _forgetting(lines, {name for s in text.statements for name in _computed(s)})
     yield f"return {', '.join(a.name for a in outputs)}"
 
@@ -144,3 +180,6 @@ def _index(sizes: tuple[int, ...], index: int) -> str:
         index, place = divmod(index, n)
         places.append(str(place))
     return ", ".join(["...", *reversed(places)])
+
+
+BACKEND = NumPy()

@@ -14,7 +14,7 @@ from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 
-from moro_codegen.toolchain import FALLBACK, Compiler, ToolchainError, run, words
+from moro_codegen.backends.toolchain import FALLBACK, Compiler, ToolchainError, run, words
 
 #: what the build needs, by the name of the package on PyPI
 NEEDED = {"cython": "Cython", "setuptools": "setuptools"}

@@ -8,37 +8,86 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from moro_codegen import calls
-from moro_codegen.emit import c
-from moro_codegen.emit.describe import (
-    all_inputs,
-    argument_lines,
-    conventions,
-    docstring,
-    shape,
-    size,
-)
+from moro_codegen._runtime import Library
+from moro_codegen.backends import Backend, Folder, Opened, c_text, extension
+from moro_codegen.backends.c import BACKEND as C
+from moro_codegen.backends.c import require_sound, signed
+from moro_codegen.backends.toolchain import Compiler
+from moro_codegen.emit.describe import argument_lines, conventions, docstring
 from moro_codegen.emit.render import render
-from moro_codegen.signature import Signature
 
 if TYPE_CHECKING:
-    from moro_codegen.functions import Argument
-    from moro_codegen.generate import Program, Routine
-
-#: what Cython and the module call something else, besides the words of C and Python
-RESERVED = frozenset(
-    """
-    cdef cpdef ctypedef cimport include nogil gil api public readonly by DEF IF ELIF ELSE NULL
-    bint object size_t ptrdiff_t cnp np cython len list tuple zip isinstance type
-    TypeError ValueError NotImplemented functions calls
-    """.split()  # noqa: SIM905
-)
+    from moro_codegen.arguments import Argument
+    from moro_codegen.program import Program, Routine
 
 #: for the processor at hand, as kernels in C are built; no -std, so that products and sums fuse
 FLAGS = "-O3 -march=native -fno-math-errno -fno-tree-slp-vectorize"
+
+
+class Cython(Backend):
+    """A package that can be installed without moro, and its extension."""
+
+    name = "cython"
+    language = "cython"
+    #: what Cython and the module call something else, besides the words of C and Python
+    reserved = frozenset(
+        """
+        cdef cpdef ctypedef cimport include nogil gil api public readonly by DEF IF ELIF ELSE NULL
+        bint object size_t ptrdiff_t cnp np cython len list tuple zip isinstance type
+        TypeError ValueError NotImplemented functions calls
+        """.split()  # noqa: SIM905
+    )
+
+    def emit(self, program: Program) -> dict[str, str]:
+        """Return the files of the package's folder."""
+        return {f"{outside(program.name)}/{path}": text for path, text in emit(program).items()}
+
+    def signed(self, texts: Mapping[str, str], name: str, key: str) -> dict[str, str]:
+        """Return the texts, with a function in the C source that returns the key."""
+        return signed(texts, f"{outside(name)}/{package(name)}/{name}.c", name, key)
+
+    def compiler(self, program: Program, arch: str) -> Compiler:
+        """Return the C compiler, as that of the C backend."""
+        return C.compiler(program, arch)
+
+    def made_with(self, compiler: Compiler) -> dict[str, Any]:
+        """Return also the versions of Cython and setuptools."""
+        return compiler.as_json() | extension.tools()
+
+    def build(self, compiler: Compiler, folder: Path, name: str) -> None:
+        """Build the extension."""
+        extension.build(compiler, folder / outside(name), package(name))
+
+    def loaded(self, folder: Path, name: str) -> Path:
+        """Return the path of the extension."""
+        return extension.library(folder / outside(name) / package(name))
+
+    def open(self, folder: Folder, content: bytes) -> Opened:
+        """Open the extension."""
+        path = self.loaded(folder.path, folder.name)
+        library = Library(str(path))
+        key = library.text(f"{folder.name}_key")
+        source, header = path.with_name("functions.pyx"), path.with_name(f"{folder.name}.h")
+        return Opened(source, self._functions(library, path, folder), key, header, path)
+
+    def _functions(
+        self, library: Library, path: Path, folder: Folder
+    ) -> Iterator[tuple[str, Callable[..., Any]]]:
+        require_sound(library, path, folder.name)
+        module = extension.load(path)
+        for name, s in folder.signatures.items():
+            run, direct = getattr(module, f"_{name}_of_arrays"), getattr(module, name)
+            yield name, s.calls.function(run, "\n".join(docstring(s)), direct)
+
+
+def outside(name: str) -> str:
+    """Return the name of the folder of a robot's package, inside that of the kernel."""
+    return f"{name}_cython"
 
 
 def package(name: str) -> str:
@@ -71,13 +120,13 @@ def emit(program: Program) -> dict[str, str]:
         f"{inside}/functions.pxd": "cython_functions.pxd.jinja",
     }
     texts = {path: render(template, **holes) for path, template in files.items()}
-    return texts | {f"{inside}/{name}": text for name, text in c.emit(program).items()}
+    return texts | {f"{inside}/{name}": text for name, text in c_text.emit(program).items()}
 
 
 def _holes(program: Program, routine: Routine) -> dict[str, object]:
     """Return what the templates say of one routine."""
-    inputs, outputs = all_inputs(program, routine), routine.outputs
-    signature = Signature.of(program, routine)
+    signature = program.signature(routine)
+    inputs, outputs = signature.inputs, signature.outputs
     return {
         "name": routine.function.name,
         "call": ", ".join(a.name for a in routine.inputs),
@@ -93,9 +142,9 @@ def _holes(program: Program, routine: Routine) -> dict[str, object]:
 
 def _array(a: Argument) -> dict[str, object]:
     """Return what the templates say of an array: its strides are those of contiguous rows."""
-    sizes = shape(a)
+    sizes = a.sizes
     strides = [math.prod(sizes[k:]) for k in range(len(sizes) + 1)]
-    return {"name": a.name, "shape": sizes, "size": size(a), "strides": strides}
+    return {"name": a.name, "shape": sizes, "size": a.size, "strides": strides}
 
 
 def _prototypes(inputs: Sequence[Argument], outputs: Sequence[Argument]) -> dict[str, str]:
@@ -114,3 +163,6 @@ def _prototypes(inputs: Sequence[Argument], outputs: Sequence[Argument]) -> dict
         "batch_names": ", ".join(name for _, name in batch),
         "batch_parameters": ", ".join(type_ + name for type_, name in batch),
     }
+
+
+BACKEND = Cython()

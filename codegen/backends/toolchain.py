@@ -18,9 +18,10 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from moro_codegen import waiting
-from moro_codegen.processors import FEATURES
+from moro_codegen.backends.processors import FEATURES
 
 CANDIDATES = ("cc", "gcc", "clang")
 
@@ -42,6 +43,9 @@ QUICK = {
         "-fno-tree-dse", "-fno-dse",
     ),
 }  # fmt: skip
+
+#: a program of more operations is long
+LONG = 6000
 
 #: options that name a processor
 TARGETS = ("-march=", "-mcpu=")
@@ -76,6 +80,22 @@ class Compiler:
     def quick(self) -> Compiler:
         """Return the same compiler with the flags for long programs."""
         return replace(self, flags=(*self.flags, *QUICK[self.family]))
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what of it shapes a library."""
+        return {
+            "command": list(self.command),
+            "version": self.version,
+            "flags": list(self.flags),
+            "target": self.target,
+            "features": list(self.features),
+        }
+
+
+def compiler_for(operations: int, arch: str) -> Compiler:
+    """Return the compiler, with flags for a program of so many operations."""
+    compiler = find_compiler(arch)
+    return compiler.quick() if operations > LONG else compiler
 
 
 def find_compiler(arch: str = "native") -> Compiler:

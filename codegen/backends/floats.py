@@ -10,13 +10,12 @@ import keyword
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from moro_codegen.emit.describe import all_inputs, size
-from moro_codegen.emit.numpy import NAMES, RESERVED, far
+from moro_codegen.backends.numpy import NAMES, RESERVED, far
 from moro_codegen.emit.render import render
 from moro_codegen.emit.statements import FAR, Assign, Call, Load, Sines, Statement, Turn, body
 
 if TYPE_CHECKING:
-    from moro_codegen.generate import Program, Routine
+    from moro_codegen.program import Program, Routine
 
 
 def emit(program: Program) -> str:
@@ -29,13 +28,13 @@ def emit(program: Program) -> str:
 
 
 def _holes(program: Program, routine: Routine) -> dict[str, Any]:
-    inputs = all_inputs(program, routine)
+    inputs = program.signature(routine).inputs
     arguments = {a.name for a in (*inputs, *routine.outputs)}
     text = body(program, routine, {*RESERVED, *keyword.kwlist, "float", *arguments})
     limit = FAR[program.scalar]
     lines = [line for statement in text.statements for line in _statement(statement, limit)]
     results = iter(text.results)
-    returned = [f"[{', '.join(next(results) for _ in range(size(a)))}]" for a in routine.outputs]
+    returned = [f"[{', '.join(next(results) for _ in range(a.size))}]" for a in routine.outputs]
     return {
         "name": routine.function.name,
         "parameters": ", ".join(a.name for a in inputs),

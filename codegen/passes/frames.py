@@ -23,27 +23,16 @@ from moro.spatial.moments import Moments
 from moro.spatial.transform import about_z
 from moro.spatial.vectors import Scalar, add, scaled, transpose
 from moro_codegen.graph import Constant, constant_value
-from moro_codegen.reduce import reduced
 
 #: below this sine squared of the angle between two axes, their common normal is too far away
 NEARLY_PARALLEL = 1e-3
-
-
-def equivalent_postures(arm: Posture) -> Iterator[Posture]:
-    """Yield the arm in the descriptions that may need the fewest operations, for one to choose."""
-    for placed in common_normals(arm):
-        leaves, parallel = turnable_leaves(placed), turnable_parallels(placed)
-        for constants_only in (False, True) if _has_parameters(arm) else (False,):
-            moved = reduced(placed, constants_only=constants_only)
-            for turned in dict.fromkeys([leaves | parallel, leaves, parallel, frozenset()]):
-                yield unturned(in_unit(moved, turned), turned)
 
 
 def common_normals(arm: Posture) -> Iterator[Posture]:
     """Yield the arm with frames on common normals: those that constants lead to, then all."""
     moved = on_common_normals(arm)
     yield moved
-    if _has_parameters(arm) and (further := on_common_normals(arm, parameters=True)) != moved:
+    if has_parameters(arm) and (further := on_common_normals(arm, parameters=True)) != moved:
         yield further
 
 
@@ -89,7 +78,7 @@ def in_unit(arm: Posture, turned: Collection[int]) -> Posture:
     Torques keep their unit: m is in units of S / length^2. Only for arms of revolute joints without
     run-time parameters, where scaling costs nothing.
     """
-    if _has_parameters(arm) or not all(link.type.fixes_axis for link in arm.links):
+    if has_parameters(arm) or not all(link.type.fixes_axis for link in arm.links):
         return arm
     worth: Counter[Constant] = Counter()
     for link in arm.links:
@@ -167,7 +156,7 @@ def _turned(body: Moments, sin: Scalar, cos: Scalar) -> Moments:
     return Moments(body.m, h, about_z(body.S, sin, cos))
 
 
-def _has_parameters(arm: Posture) -> bool:
+def has_parameters(arm: Posture) -> bool:
     """Return whether run-time parameters are among the lengths, angles, bodies and gravity."""
     for link in arm.links:
         fixed = (*link.R[0], *link.R[1], *link.R[2], *(link.p if link.type.fixes_axis else ()))

@@ -1,30 +1,34 @@
-"""From a model to a program: for every function asked for, the operations to carry out."""
+"""From a robot to a program: for every function asked for, the operations to carry out."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal
+from typing import Any
+
+import sympy as sp
 
 from moro.checks import distinct_names
-from moro.model import Model
+from moro.model import Model, as_model
+from moro.robot import Robot
+from moro_codegen.arguments import Argument
 from moro_codegen.convert import Converter
-from moro_codegen.factor import factored
-from moro_codegen.functions import FUNCTIONS, Argument, Function, System, own_parameters
+from moro_codegen.functions import Function, System, own_parameters
 from moro_codegen.graph import Graph, Node, count, parameters_of, replaced, schedule
+from moro_codegen.passes import PASSES, Pass
+from moro_codegen.passes.factor import factored
 from moro_codegen.progress import tell
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A number of the model that is given at run time."""
-
-    name: str
-    default: float | None
-    #: what it is of the robot, "mass of link 2"; or ""
-    description: str
+from moro_codegen.requested import Request, requested
+from moro_codegen.signature import (
+    DTYPES,
+    Parameter,
+    Part,
+    Real,
+    Signature,
+    parameters_input,
+    real,
+)
 
 
 @dataclass(frozen=True)
@@ -48,7 +52,7 @@ class Routine:
 
 @dataclass(frozen=True)
 class Program:
-    """The routines of one arm."""
+    """The routines of one arm, and all that is said of it: what ``build`` makes a kernel of."""
 
     name: str
     dof: int
@@ -56,59 +60,95 @@ class Program:
     parameters: tuple[Parameter, ...]
     routines: tuple[Routine, ...]
     #: what the kernel computes with
-    scalar: Literal["double", "float"] = "double"
+    scalar: Real = "double"
     #: for those who read the files: of the robot's frames ("" if it is not known), and gravity in
     #: frame 0 [m/s^2] as text (None if it was not set)
     convention: str = ""
     gravity: tuple[str, ...] | None = None
 
+    def signature(self, routine: Routine) -> Signature:
+        """Return what one of the routines takes and returns."""
+        function = routine.function
+        return Signature(
+            function.name,
+            function.summary,
+            (*routine.inputs, *parameters_input(self.parameters)),
+            routine.outputs,
+            self.parameters,
+            routine.ops,
+            tuple(Part(part.name, len(part.outputs)) for part in function.parts),
+            DTYPES[self.scalar],
+        )
+
+    @property
+    def signatures(self) -> tuple[Signature, ...]:
+        """What the routines take and return."""
+        return tuple(map(self.signature, self.routines))
+
 
 def generate(
-    model: Model,
-    functions: Sequence[str | Function] = ("tau",),
-    parameters: Mapping[Any, Any] | None = None,
+    robot: Robot | Model,
+    functions: Sequence[Request] = ("tau",),
     *,
+    dtype: Any = "float64",
     rigid: bool = False,
+    passes: Collection[Pass] = PASSES,
 ) -> Program:
-    """Return the program of the functions, which are given or named.
+    """Return the program of a robot's functions, for ``build`` to make a kernel of.
 
-    ``parameters`` maps every symbol of the model to its default, or to None; functions may bring
-    more of their own. Those that a result depends on become run-time parameters of the program, in
-    this order: the k-th is the input ("parameters", k). ``rigid`` leaves out rotor inertia and
-    friction.
+        program = mc.generate(robot, ("tau", "inertia_matrix"))
+        kernel = mc.build(program, "build/arm", backend="numpy")
+
+    ``functions`` and ``dtype`` are those of ``compile``. Parameters that a result depends on become
+    run-time parameters of the program, those of the robot first, then those that functions bring.
+    ``rigid`` leaves out rotor inertia and friction; ``passes`` are what makes the program small.
 
     Raises ValueError for a function that does not exist, for two defaults of one parameter, and
     for two symbols of one name.
     """
-    unknown = [name for name in functions if isinstance(name, str) and name not in FUNCTIONS]
-    if unknown:
-        raise ValueError(f"unknown functions {unknown}; there are {sorted(FUNCTIONS)}")
-    wanted = [FUNCTIONS[f] if isinstance(f, str) else f for f in functions]
-    defaults = {**(parameters or {}), **own_parameters(wanted)}
-    known = run_time_parameters(defaults)
+    scalar, model = real(dtype), as_model(robot)
+    wanted = requested(functions, model)
+    defaults = {**model.defaults, **own_parameters(wanted)}
     graph = Graph()
-    nodes = {symbol: graph.input("parameters", k) for k, symbol in enumerate(defaults)}
-    system = System(graph, model.map(Converter(graph, nodes)), rigid, nodes)
+    nodes = parameter_nodes(graph, defaults)
+    system = System(graph, model.map(Converter(graph, nodes)), rigid, nodes, tuple(passes))
     routines, used = without_unused([routine(system, function) for function in wanted])
+    symbols = list(defaults)
+    return assembled(model, {symbols[k]: defaults[symbols[k]] for k in used}, routines, scalar)
+
+
+def assembled(
+    model: Model, defaults: Mapping[Any, Any], routines: Sequence[Routine], scalar: Real = "double"
+) -> Program:
+    """Return the program of routines of a model that take parameters, {symbol: default or None}."""
+    meanings = {parameter.symbol: parameter.meaning for parameter in model.parameters}
     return Program(
         model.name,
         model.dof,
         tuple(joint.type.name for joint in model.joints),
-        tuple(known[k] for k in used),
-        routines,
+        tuple(
+            Parameter(str(s), None if x is None else float(x), meanings.get(s, ""))
+            for s, x in defaults.items()
+        ),
+        tuple(routines),
+        scalar,
+        model.convention,
+        None if "gravity" in model.not_set else tuple(map(_text, model.gravity)),
     )
 
 
-def run_time_parameters(defaults: Mapping[Any, Any]) -> tuple[Parameter, ...]:
-    """Return the parameters with these symbols and defaults (None: no default).
+def _text(value: Any) -> str:
+    """Return a number as a decimal, an expression as SymPy writes it."""
+    return f"{float(value):.15g}" if sp.sympify(value).is_Rational else str(value)
+
+
+def parameter_nodes(graph: Graph, parameters: Collection[Any]) -> dict[Any, Node]:
+    """Return the inputs that run-time parameters are: the k-th is ("parameters", k).
 
     Raises ValueError for two symbols of one name.
     """
-    distinct_names(defaults)
-    return tuple(
-        Parameter(str(symbol), None if default is None else float(default), "")
-        for symbol, default in defaults.items()
-    )
+    distinct_names(parameters)
+    return {symbol: graph.input("parameters", k) for k, symbol in enumerate(parameters)}
 
 
 def without_unused(routines: Sequence[Routine]) -> tuple[tuple[Routine, ...], list[int]]:
@@ -117,7 +157,8 @@ def without_unused(routines: Sequence[Routine]) -> tuple[tuple[Routine, ...], li
     if used == list(range(len(used))):
         return tuple(routines), used
     graph = routines[0].results[0].graph
-    new = {graph.input("parameters", k): graph.input("parameters", i) for i, k in enumerate(used)}
+    inputs = list(parameter_nodes(graph, range(used[-1] + 1)).values())
+    new = {inputs[k]: inputs[i] for i, k in enumerate(used)}
     return tuple(
         _scheduled(x.function, x.inputs, x.outputs, replaced(x.results, new)) for x in routines
     ), used
@@ -126,18 +167,23 @@ def without_unused(routines: Sequence[Routine]) -> tuple[tuple[Routine, ...], li
 def routine(system: System, function: Function) -> Routine:
     """Return the routine of one function."""
     build = partial(function.build, system)
-    return arranged(function, system.graph, system.model.dof, build)
+    return arranged(function, system.graph, system.model.dof, build, system.passes)
 
 
 def arranged(
-    function: Function, graph: Graph, dof: int, build: Callable[..., Sequence[Sequence[Node]]]
+    function: Function,
+    graph: Graph,
+    dof: int,
+    build: Callable[..., Sequence[Sequence[Node]]],
+    passes: Collection[Pass] = PASSES,
 ) -> Routine:
     """Return the routine of what ``build`` makes of a function's inputs."""
     tell(f"generating {function.name}")
     inputs = tuple(_resolved(argument, dof) for argument in function.inputs)
     outputs = tuple(_resolved(argument, dof) for argument in function.outputs)
-    nodes = [[graph.input(a.name, k) for k in range(_size(a))] for a in inputs]
-    results = factored([x for output in build(*nodes) for x in output])
+    nodes = [[graph.input(a.name, k) for k in range(a.size)] for a in inputs]
+    flat = [x for output in build(*nodes) for x in output]
+    results = factored(flat) if Pass.COMMON_FACTORS in passes else flat
     return _scheduled(function, inputs, outputs, results)
 
 
@@ -184,7 +230,3 @@ def _is_fixed(node: Node) -> bool:
 
 def _resolved(argument: Argument, dof: int) -> Argument:
     return replace(argument, shape=tuple(dof if size == "n" else size for size in argument.shape))
-
-
-def _size(argument: Argument) -> int:
-    return math.prod(int(size) for size in argument.shape)

@@ -13,17 +13,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from moro_codegen import processors
-from moro_codegen.emit.describe import (
-    all_inputs,
-    argument_lines,
-    conventions,
-    core_shapes,
-    operations,
-    shape,
-    size,
-    wrapped,
-)
+from moro_codegen.backends import processors
+from moro_codegen.emit.describe import argument_lines, conventions, operations, wrapped
 from moro_codegen.emit.parts import Keep, Parts, Step, Take, in_parts
 from moro_codegen.emit.render import render
 from moro_codegen.emit.statements import (
@@ -41,8 +32,9 @@ from moro_codegen.emit.statements import (
 from moro_codegen.emit.words import MACROS, TYPES
 
 if TYPE_CHECKING:
-    from moro_codegen.functions import Argument
-    from moro_codegen.generate import Program, Routine
+    from moro_codegen.arguments import Argument
+    from moro_codegen.program import Program, Routine
+    from moro_codegen.signature import Signature
 
 LINE = 100
 
@@ -183,7 +175,7 @@ class _Emission:
             "operations": operations(self.routine),
             "notes": self.notes(),
             "batch_notes": self.batch_notes(),
-            "signature": core_shapes(inputs, outputs),
+            "signature": self.signature.core,
             "single": self.single(),
             "batch": self.batch(),
             "loop": self.loop(),
@@ -191,8 +183,8 @@ class _Emission:
             "scalar_body": self.scalar_body(),
             "lanes_parts": self.lanes_parts(),
             "lanes_body": self.lanes_body(),
-            "loads_size": sum(map(size, inputs)),
-            "stores_size": sum(map(size, outputs)),
+            "loads_size": sum(a.size for a in inputs),
+            "stores_size": sum(a.size for a in outputs),
             "loads": self.transfers("load", "x", inputs),
             "stores": self.transfers("store", "y", outputs),
             "plain_loads": [f"{local} = {place};" for local, place in self.places("x", inputs)],
@@ -222,9 +214,13 @@ class _Emission:
         """The scalar type: double or float."""
         return self.program.scalar
 
+    @cached_property
+    def signature(self) -> Signature:
+        return self.program.signature(self.routine)
+
     @property
     def inputs(self) -> tuple[Argument, ...]:
-        return all_inputs(self.program, self.routine)
+        return self.signature.inputs
 
     # -- prototypes ------------------------------------------------------------------------------
 
@@ -315,7 +311,7 @@ class _Emission:
         targets = [
             f"{a.name}[{k}]" if a.shape else f"*{a.name}"
             for a in self.routine.outputs
-            for k in range(size(a))
+            for k in range(a.size)
         ]
         return lines + [f"{to} = {x};" for to, x in zip(targets, self.text.results, strict=True)]
 
@@ -371,7 +367,7 @@ class _Emission:
         lanes, k, left = (self.local[name] for name in (lanes, "k", "left"))
         for a, offset in zip(arguments, offsets(arguments), strict=True):
             stride, *axes = stride_names(a)
-            *rows, columns = shape(a) or (1,)
+            *rows, columns = a.sizes or (1,)
             step = axes[-1] if axes else "1"
             for row, places in enumerate(itertools.product(*map(range, rows))):
                 at = "".join(f" + {i} * {axis}" for i, axis in zip(places, axes, strict=False) if i)
@@ -385,7 +381,7 @@ class _Emission:
         """Pair every component's local copy with its place in sample k."""
         for a, offset in zip(arguments, offsets(arguments), strict=True):
             stride, *axes = stride_names(a)
-            for j, indices in enumerate(itertools.product(*map(range, shape(a)))):
+            for j, indices in enumerate(itertools.product(*map(range, a.sizes))):
                 at = "".join(f" + {i} * {axis}" for i, axis in zip(indices, axes, strict=True) if i)
                 place = f"{a.name}[{self.local['k']} * {stride}{at}]"
                 yield f"{self.local[local]}[{offset + j}]", place
@@ -507,7 +503,7 @@ def named_pairs(
 
 def declarator(argument: Argument) -> str:
     """``q[6]``, ``M[36]``; a scalar is a pointer to one."""
-    return f"{argument.name}[{size(argument)}]" if argument.shape else f"*{argument.name}"
+    return f"{argument.name}[{argument.size}]" if argument.shape else f"*{argument.name}"
 
 
 def stride_names(argument: Argument) -> list[str]:
@@ -518,7 +514,7 @@ def stride_names(argument: Argument) -> list[str]:
 
 def offsets(arguments: Iterable[Argument]) -> list[int]:
     """Return where each argument begins if all are laid end to end."""
-    return [0, *itertools.accumulate(map(size, arguments))][:-1]
+    return [0, *itertools.accumulate(a.size for a in arguments)][:-1]
 
 
 def prototype(name: str, parameters: Sequence[str], kind: str = "") -> str:

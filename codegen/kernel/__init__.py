@@ -1,0 +1,1 @@
+"""What a user calls: kernels, and where they are kept."""

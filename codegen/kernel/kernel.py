@@ -1,0 +1,139 @@
+"""Kernels: what the user calls, opened from the folder in which it is kept.
+
+A kernel is a folder: what its backend wrote and built there, C source, header and shared library or
+a Python module, and a manifest that says what they are and what they were made of.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from functools import partial, update_wrapper
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+from moro_codegen import backends
+from moro_codegen.backends import Backend, Folder, Opened
+from moro_codegen.kernel.store import MANIFEST, DamagedError, checked_file, read_manifest, settled
+from moro_codegen.signature import Signature
+
+
+class Kernel:
+    """The functions of one robot, as fast as the machine allows.
+
+    Each function is an attribute: ``kernel.tau(q, qd, qdd)``; its docstring says what it takes and
+    returns. ``Kernel(directory)`` opens the kernel that ``build`` left there.
+
+    Raises FileNotFoundError if there is none, ValueError if its files do not belong together or are
+    of another version of moro, ToolchainError if it was compiled for another processor or with
+    options that change what it computes.
+    """
+
+    #: the robot's name, its number of joints, the folder of the kernel's files
+    name: str
+    dof: int
+    directory: Path
+    backend: str
+    #: paths of the shared library, source in C or Cython and header, or of the Python module
+    library: Path | None
+    source: Path
+    header: Path | None
+    #: what each function costs: {"tau": {"add": .., "sub": .., "mul": .., "sincos": ..}}
+    ops: dict[str, dict[str, int]]
+    #: run-time parameters and their defaults (None: has to be given), in order
+    parameters: dict[str, float | None]
+    signatures: dict[str, Signature]
+    manifest: dict[str, Any]
+    #: was there already; else, how many seconds each step of the build took
+    reused: bool
+    timings: dict[str, float]
+
+    def __init__(
+        self,
+        directory: str | os.PathLike[str],
+        *,
+        reused: bool = True,
+        timings: Mapping[str, float] | None = None,
+    ) -> None:
+        self.directory = Path(directory).absolute()
+        self.reused, self.timings = reused, dict(timings or {})
+        settled(self._open)
+
+    def _open(self) -> None:
+        """Read the manifest, then open what it describes, if that says the same of itself."""
+        self.manifest = read_manifest(self.directory)
+        self.name, self.dof = self.manifest["name"], self.manifest["dof"]
+        self.backend = self.manifest["backend"]
+        self.parameters = {p["name"]: p["default"] for p in self.manifest["parameters"]}
+        self.signatures = {
+            item["name"]: Signature.from_json(item) for item in self.manifest["functions"]
+        }
+        self.ops = {name: dict(s.ops) for name, s in self.signatures.items()}
+        try:
+            opened = self._opened(backends.get(self.backend))
+        except FileNotFoundError as error:  # by a rebuild, since we looked
+            raise DamagedError(self.directory, str(error)) from None
+        self.source, self.header, self.library = opened.source, opened.header, opened.library
+        for name, call in opened.functions:
+            kept = _Kept(call, self.directory) if isinstance(call, FunctionType) else call
+            setattr(self, name, kept)
+
+    def _opened(self, backend: Backend) -> Opened:
+        """Return what the backend finds in the folder, if it is what the manifest describes."""
+        path = backend.loaded(self.directory, self.name)
+        inside = path.relative_to(self.directory).as_posix()
+        content = checked_file(self.directory, self.manifest, inside)
+        folder = Folder(
+            self.directory,
+            self.name,
+            self.signatures,
+            lambda name: (_function_of, (self.directory, name)),
+        )
+        opened = backend.open(folder, content)
+        if opened.key not in (None, self.manifest["key"]):
+            what = f"{path.name} is of another kernel than {MANIFEST} describes"
+            raise DamagedError(self.directory, what)
+        return opened
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        functions = ", ".join(self.__dict__.get("signatures", ()))
+        raise AttributeError(
+            f"this kernel has no {name!r}; its functions are: {functions} "
+            f"(compile(robot, functions=(...)) makes others)"
+        )
+
+    def __repr__(self) -> str:
+        functions = ", ".join(
+            f"{name} ({sum(ops.get(op, 0) for op in ('add', 'sub', 'mul', 'div'))} operations)"
+            for name, ops in self.ops.items()
+        )
+        given = f", parameters {', '.join(self.parameters)}" if self.parameters else ""
+        return (
+            f"<Kernel {self.name}: {self.dof} joints, {functions}{given}, "
+            f"{self.library or self.source}>"
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Kernel, (self.directory,)
+
+
+class _Kept(partial):  # type: ignore[type-arg]
+    """A function of Python that is pickled as that of the kernel in a folder."""
+
+    _origin: tuple[Path, str]
+
+    def __new__(cls, function: Callable[..., Any], directory: Path) -> _Kept:
+        kept = super().__new__(cls, function)
+        update_wrapper(kept, function)
+        kept._origin = directory, function.__name__
+        return kept
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _function_of, self._origin
+
+
+def _function_of(directory: Path, name: str) -> Any:
+    """Return a function of the kernel in a folder; of one in C, the object it is bound to."""
+    function = getattr(Kernel(directory), name)
+    return function if isinstance(function, _Kept) else function.__self__

@@ -1,0 +1,71 @@
+"""What makes functions small, in order: the same torques from an arm in fewer numbers.
+
+frames   where frames are, how they are turned, and the unit of length
+reduce   base inertial parameters
+factor   common factors of sums
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from enum import Enum
+
+from moro.algorithms.posture import Posture
+from moro_codegen.passes.frames import (
+    common_normals,
+    has_parameters,
+    in_unit,
+    turnable_leaves,
+    turnable_parallels,
+    unturned,
+)
+from moro_codegen.passes.reduce import reduced
+
+
+class Pass(Enum):
+    """One way to need fewer operations; each builds on those before it."""
+
+    COMMON_NORMALS = "common normals"
+    BASE_PARAMETERS = "base parameters"
+    BALANCING_MASSES = "balancing masses"
+    UNIT_OF_LENGTH = "unit of length"
+    LAST_LINKS = "last links not turned"
+    PARALLEL_AXES = "parallel axes summed"
+    COMMON_FACTORS = "common factors"
+
+
+#: all of them, in order
+PASSES = tuple(Pass)
+
+
+def equivalent_postures(arm: Posture, passes: Collection[Pass] = PASSES) -> Iterator[Posture]:
+    """Yield the arm in the descriptions that may need the fewest operations, for one to choose."""
+    for placed in _placed(arm, passes):
+        leaves = turnable_leaves(placed) if Pass.LAST_LINKS in passes else frozenset()
+        parallel = turnable_parallels(placed) if Pass.PARALLEL_AXES in passes else frozenset()
+        for moved in _reduced(placed, passes):
+            for turned in dict.fromkeys([leaves | parallel, leaves, parallel, frozenset()]):
+                scaled = in_unit(moved, turned) if Pass.UNIT_OF_LENGTH in passes else moved
+                yield unturned(scaled, turned)
+
+
+def rearranged(arm: Posture, passes: Collection[Pass] = PASSES) -> Iterator[Posture]:
+    """Yield the arm with other frames, but the last: its bodies and lengths stay what they are."""
+    arms = [arm, *(_placed(arm, passes) if Pass.COMMON_NORMALS in passes else ())]
+    yield from arms
+    if Pass.PARALLEL_AXES in passes:
+        yield from (unturned(placed, turnable_parallels(placed)) for placed in arms)
+
+
+def _placed(arm: Posture, passes: Collection[Pass]) -> Iterator[Posture]:
+    return common_normals(arm) if Pass.COMMON_NORMALS in passes else iter((arm,))
+
+
+def _reduced(arm: Posture, passes: Collection[Pass]) -> Iterator[Posture]:
+    """Yield the arm in its base parameters; also without moving run-time parameters, if it has."""
+    if Pass.BASE_PARAMETERS not in passes:
+        yield arm
+        return
+    balanced = Pass.BALANCING_MASSES in passes
+    for constants_only in (False, True) if has_parameters(arm) else (False,):
+        yield reduced(arm, balanced=balanced, constants_only=constants_only)

@@ -1,0 +1,247 @@
+"""The one way from a robot to a kernel: what was asked for, its program, texts, a folder, a Kernel.
+
+``compile`` keeps such folders in the user's cache, ``build`` puts one where it is told to; both
+reuse what is there if it is the same kernel.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import platform
+import re
+import time
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from datetime import datetime, timezone
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import moro
+from moro.model import Model, as_model
+from moro.robot import Robot
+from moro_codegen import backends
+from moro_codegen.backends import Backend
+from moro_codegen.backends.toolchain import FALLBACK, Compiler, ProcessorError, ToolchainError
+from moro_codegen.kernel import store
+from moro_codegen.kernel.kernel import Kernel
+from moro_codegen.program import Program, generate
+from moro_codegen.progress import shown, tell
+from moro_codegen.requested import Request
+
+#: what every C source defines besides its functions, after the robot's name
+SYMBOLS = ("fault", "key")
+
+#: characters of a name; files are called like it, and folders with more behind it
+MAX_NAME = 100
+
+
+@shown()
+def compile(
+    robot: Robot | Model,
+    functions: Sequence[Request] = ("tau",),
+    directory: str | os.PathLike[str] | None = None,
+    backend: str = "c",
+    dtype: str = "float64",
+    arch: str = "native",
+) -> Kernel:
+    """Return the kernel of a robot: its functions, compiled for the processor at hand.
+
+    ``functions`` are names of ``moro_codegen.FUNCTIONS``, functions of one's own, and tuples of
+    these for several in one call: ``("tau", mc.Function("height", robot.T[2, 3]), ("tau",
+    "inertia_matrix"))`` makes ``kernel.tau``, ``kernel.height`` and ``kernel.tau_inertia_matrix``,
+    which returns (tau, M) and computes once what they share. Kernels are kept in ``directory``, by
+    default in the user's cache folder, and built only once for the same robot, functions, compiler
+    and processor. ``backend="numpy"`` needs no compiler; ``backend="cython"`` needs Cython and
+    setuptools besides, and makes a package that can be installed without moro. With
+    ``dtype="float32"`` (or "float", as C and the command say; NumPy's "float" is double) the
+    functions compute in single precision, twice as many samples at once.
+    ``arch`` is the oldest processor that the kernel must run on, as the compiler's -march calls it
+    (``x86-64-v3``), if it is not the one at hand. Raises ToolchainError for what is missing,
+    ValueError for a function that does not exist or a robot whose name is no C identifier, and
+    OSError for a folder in which nothing can be kept.
+    """
+    if not isinstance(robot, (Robot, Model)):
+        load = f": moro.load({robot!r})" if isinstance(robot, (str, os.PathLike)) else ""
+        raise TypeError(f"compile takes a Robot, found {type(robot).__name__}{load}")
+    return built(
+        robot,
+        functions,
+        Path(directory) if directory is not None else store.cache(),
+        backend,
+        dtype=dtype,
+        arch=arch,
+        named_by_key=True,
+        source={"model_sha256": hashlib.sha256(repr(as_model(robot)).encode()).hexdigest()},
+    )
+
+
+def built(
+    robot: Robot | Model,
+    functions: Sequence[Request],
+    directory: Path,
+    backend: str,
+    *,
+    dtype: Any,
+    **options: Any,
+) -> Kernel:
+    """Return the kernel of a robot; ``options`` are those of ``build``. "generate" is timed too."""
+    start = time.perf_counter()
+    program = generate(robot, functions, dtype=dtype)
+    timings = {"generate": time.perf_counter() - start}
+    return build(program, directory, backend, timings=timings, **options)
+
+
+def build(
+    program: Program,
+    directory: str | os.PathLike[str],
+    backend: str = "c",
+    *,
+    arch: str = "native",
+    named_by_key: bool = False,
+    languages: Collection[str] = (),
+    source: Mapping[str, str] | None = None,
+    timings: Mapping[str, float] | None = None,
+) -> Kernel:
+    """Return the kernel of a program in ``directory``, built anew only if another one is there.
+
+    The sources of further ``languages`` ("c", "cython", "python") are written beside its own. With
+    ``named_by_key`` the kernel gets a folder of its own inside ``directory``. ``source`` says where
+    the program came from (``{"file": ..., "sha256": ...}``) and is recorded in the manifest as
+    "input". The kernel's ``timings`` are those given, and the seconds for "emit" and "compile".
+    Everything is built in a folder beside ``directory`` and moved there when it is complete; what
+    is there already and whole is opened without writing anything. A kernel for an ``arch`` that
+    the processor at hand is not is built, and then ProcessorError says that it cannot be opened.
+    """
+    seconds = dict(timings or {})
+    start = time.perf_counter()
+    maker = backends.get(backend)
+    texts = sources(program, backend, languages)
+    seconds["emit"] = time.perf_counter() - start
+    work = _Work(maker, texts, maker.compiler(program, arch))
+    manifest = _manifest(program, work, source)
+    folder = Path(directory).absolute()
+    if named_by_key:
+        folder /= f"{program.name}-{manifest['key'][:16]}"
+    start = time.perf_counter()
+    reused = _is_there(folder, manifest, work)
+    seconds["compile"] = time.perf_counter() - start
+    return Kernel(folder, reused=reused, timings=seconds)
+
+
+@dataclass(frozen=True)
+class _Work:
+    """What there is to do for a kernel."""
+
+    backend: Backend
+    #: by who wrote them, and by path
+    texts: Mapping[Backend, Mapping[str, str]]
+    compiler: Compiler | None
+
+
+def sources(
+    program: Program, backend: str, languages: Iterable[str] = ()
+) -> dict[Backend, dict[str, str]]:
+    """Return the texts of a program's files, by who writes them and by path.
+
+    Raise ValueError for a backend or language that there is not, or a name that they, or kernels,
+    cannot give to anything.
+    """
+    writers = dict.fromkeys([backends.get(backend), *map(backends.of_language, languages)])
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", program.name):
+        raise ValueError(
+            f"a robot named {program.name!r} cannot name functions: letters, digits and "
+            "underscores only, a letter first"
+        )
+    if len(program.name) > MAX_NAME:
+        raise ValueError(
+            f"a robot's name of {len(program.name)} characters cannot name files and functions: "
+            f"at most {MAX_NAME}"
+        )
+    for name in (routine.function.name for routine in program.routines):
+        if name in {*dir(Kernel), *Kernel.__annotations__, *SYMBOLS}:
+            raise ValueError(f"a function cannot be named {name!r}: every kernel has a {name}")
+        if any(name in writer.reserved for writer in writers):
+            raise ValueError(f"a function cannot be named {name!r}: generated code uses that name")
+    return {writer: writer.emit(program) for writer in writers}
+
+
+def _manifest(program: Program, work: _Work, source: Mapping[str, str] | None) -> dict[str, Any]:
+    """Return a kernel's manifest; its "key" is the hash of everything that shapes the kernel."""
+    compiler = work.compiler
+    texts = {path: text for written in work.texts.values() for path, text in written.items()}
+    manifest = {
+        "format": store.FORMAT,
+        "name": program.name,
+        "dof": program.dof,
+        "joint_kinds": list(program.joint_kinds),
+        "convention": program.convention,
+        "gravity": None if program.gravity is None else list(program.gravity),
+        "scalar": program.scalar,
+        "backend": work.backend.name,
+        "texts": hashlib.sha256(json.dumps(texts, sort_keys=True).encode()).hexdigest(),
+        "input": dict(source or {}),
+        "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        "versions": {
+            "moro": moro.__version__,
+            "python": platform.python_version(),
+            "numpy": np.__version__,
+            "sympy": metadata.version("sympy"),
+        },
+        "compiler": None if compiler is None else work.backend.made_with(compiler),
+        "parameters": [asdict(parameter) for parameter in program.parameters],
+        "functions": [signature.as_json() for signature in program.signatures],
+    }
+    return {**manifest, "key": store.key_of(manifest)}
+
+
+def _is_there(folder: Path, manifest: Mapping[str, Any], work: _Work) -> bool:
+    """See to it that the folder holds the kernel; tell whether it did so already."""
+    if store.is_current(folder, manifest) and store.has_input(folder, manifest):
+        return True
+    try:
+        with store.lock(folder):
+            if not store.is_current(folder, manifest):
+                tell(f"{'compiling' if work.compiler else 'writing'} {manifest['name']}")
+                _install(folder, manifest, work)
+                return False
+            if not store.has_input(folder, manifest):
+                store.record_input(folder, manifest)
+    except OSError:
+        if not store.is_current(folder, manifest):
+            raise
+    return True
+
+
+def _install(folder: Path, manifest: Mapping[str, Any], work: _Work) -> None:
+    """Build a kernel beside the folder, try it, and move it there."""
+    name, key = manifest["name"], manifest["key"]
+    with store.workshop(folder) as beside:
+        new = beside / folder.name
+        new.mkdir()
+        for writer, texts in work.texts.items():
+            for path, text in writer.signed(texts, name, key).items():
+                (new / path).parent.mkdir(parents=True, exist_ok=True)
+                (new / path).write_text(text, encoding="utf-8")
+        if work.compiler is not None:
+            work.backend.build(work.compiler, new, name)
+        files = {path: store.digest(new / path) for path in store.paths(new)}
+        store.write_manifest(new, {**manifest, "files": files})
+        _try(new)
+        store.move(new, folder)
+
+
+def _try(folder: Path) -> None:
+    """Load a new kernel, as its users will."""
+    try:
+        Kernel(folder)
+    except ProcessorError:
+        pass  # for another processor, as the user wished
+    except OSError as error:
+        raise ToolchainError(
+            f"the compiler's library cannot be loaded: {error}\n{FALLBACK}"
+        ) from None
