@@ -107,13 +107,14 @@ def lambdify_tau(robot: Robot) -> Callable[..., Any]:
     Takes q, qd, qdd and the parameters as separate floats; common subexpressions are shared
     (``cse=True``) and Python's own ``math`` is used, which is faster for single numbers than NumPy.
     """
-    n = robot.dof
     variables = [*robot.qs, *(q.diff(t) for q in robot.qs), *(q.diff(t, 2) for q in robot.qs)]
-    plain = sp.symbols(f"q1:{n + 1} qd1:{n + 1} qdd1:{n + 1}", cls=sp.Dummy)
+    variables += robot.parameters
+    # of no name that means something in Python
+    plain = sp.symbols(f"x:{len(variables)}", cls=sp.Dummy)
     # derivatives first: a position inside a derivative must not be replaced before it
     names = dict(zip(reversed(variables), reversed(plain), strict=True))
     equations = [equation.lhs.xreplace(names) for equation in robot.dynamic_model()]
-    return lambdified([*plain, *robot.parameters], equations)
+    return lambdified(plain, equations)
 
 
 def lambdified(arguments: Sequence[Any], expressions: Sequence[Any]) -> Callable[..., Any]:

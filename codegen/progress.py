@@ -35,10 +35,11 @@ class Line:
 _line: ContextVar[Line | None] = ContextVar("line", default=None)
 
 
-def tell(what: str) -> None:
-    """Say what begins now: "generating tau"."""
+def tell(what: str) -> bool:
+    """Say what begins now: "generating tau". Return whether that is shown."""
     if (line := _line.get()) is not None:
         line.tell(what)
+    return line is not None
 
 
 @contextmanager

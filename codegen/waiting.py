@@ -6,6 +6,8 @@ import math
 import os
 import sys
 
+from moro_codegen.progress import tell
+
 #: seconds of silence
 PATIENCE = 1.0
 
@@ -35,6 +37,8 @@ def until_said(seconds: float | None) -> float:
 
 
 def say(what: str) -> None:
-    """Tell the user, on standard error, what is being waited for."""
-    sys.stderr.write(f"moro: {what} ({VARIABLE}=SECONDS sets a limit)\n")
-    sys.stderr.flush()
+    """Tell the user what is being waited for: in the line of progress, else on standard error."""
+    message = f"{what} ({VARIABLE}=SECONDS sets a limit)"
+    if not tell(message):
+        sys.stderr.write(f"moro: {message}\n")
+        sys.stderr.flush()

@@ -37,8 +37,8 @@ class Independence:
         """Return {dependent parameter: {independent one before it: factor}}.
 
         A parameter without effect on the torques depends on none. The others are independent. (A
-        point where independent functions look dependent has a chance of about 1e-15; the proof
-        fails then, and another point is tried.)
+        point where independent functions look dependent has a chance of about 1e-7; the proof fails
+        then, and another point is tried.)
         """
         for seed in itertools.count():
             point = self._point(len(parameters), seed)

@@ -19,6 +19,9 @@ import sympy as sp
 
 from moro.trig import Trig, TrigRing
 
+#: sums of a number and a product of two below it fit in 64 bits
+LIMIT = 2**31
+
 
 class RandomPoint:
     """The scalars of an arm at random states; offers what ``TrigRing`` offers.
@@ -33,7 +36,7 @@ class RandomPoint:
         self._states = states
         self._random = random.Random(seed)  # noqa: S311 - the same point every time
         roots = (x.base for x in ring.generators if _is_root(x))
-        self.prime = _prime(frozenset({2, 3, *map(int, roots)}))
+        self.prime = _prime(frozenset({2, 3, *map(int, roots)}), seed)
         self.half = pow(2, -1, self.prime)
         self.zero = self._array([0] * states)
         self.one = self._array([1] * states)
@@ -98,17 +101,17 @@ def dependences(rows: Sequence[Sequence[int]], prime: int) -> dict[int, list[int
     """Return {dependent row: the independent rows before it that it is a combination of}."""
     reduced: list[tuple[int, Any]] = []  # leading column, row with 1 there
     found = {}
-    size = len(rows)
+    type_ = np.int64 if prime < LIMIT else object
     for k, row in enumerate(rows):
-        x = np.array([*row, *(int(j == k) for j in range(size))], dtype=object)
+        x = np.array([*row, *(int(j == k) for j in range(len(rows)))], dtype=type_)
         for column, pivot in reduced:
             if x[column]:
                 x = (x - x[column] * pivot) % prime
-        leading = next((j for j, value in enumerate(x[: len(row)]) if value), None)
-        if leading is None:
+        leading = np.flatnonzero(x)[0]  # of the combination at the latest
+        if leading >= len(row):
             found[k] = [j for j in range(k) if x[len(row) + j]]
         else:
-            reduced.append((leading, x * pow(int(x[leading]), -1, prime) % prime))
+            reduced.append((int(leading), x * pow(int(x[leading]), -1, prime) % prime))
     return found
 
 
@@ -117,10 +120,15 @@ def _is_root(meaning: Any) -> bool:
 
 
 @cache
-def _prime(squares: frozenset[int]) -> int:
-    """Return a prime modulo which these primes are squares, by quadratic reciprocity."""
+def _prime(squares: frozenset[int], seed: int) -> int:
+    """Return a prime modulo which these primes are squares, by quadratic reciprocity.
+
+    It is the largest one below ``LIMIT``, the next for the next seed, if ``squares`` leave any.
+    """
     step = 8 * prod(squares)
-    candidate = step * (2**60 // step + 1) + 1
-    while not sp.isprime(candidate):
-        candidate += step
+    candidate = max(LIMIT // step, 2**20) * step + 1
+    for _ in range(seed + 1):
+        candidate -= step
+        while not sp.isprime(candidate):
+            candidate -= step
     return candidate

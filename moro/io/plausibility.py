@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import sympy
 
+from ..checks import shown
+from ..constants import numeric
 from ..plausibility import LinkData
 from ..plausibility import remarks as remarks_on
 from .schema import Link, RobotFile
@@ -16,28 +18,40 @@ Location = tuple[int | str, ...]
 
 def remarks(file: RobotFile) -> Iterator[tuple[Location, str]]:
     """Yield the location and the description of each oddity in ``file``."""
-    used = _used_symbols(file)
+    values = list(_values((), file.model_dump(exclude={"parameters"})))
+    used = set[Any]().union(*(value.free_symbols for _, value in values))
     for symbol in file.parameters:
         if symbol not in used:
             yield ("parameters", symbol.name), "this parameter is not used in the file"
+    for location, value in values:
+        if message := _without_value(value, file.parameters):
+            yield location, message
     for field, link, message in remarks_on([_data(link) for link in file.links], file.gravity):
         yield (field,) if link is None else ("links", link, field), message
 
 
-def _used_symbols(file: RobotFile) -> set[Any]:
-    used: set[Any] = set()
+def _values(location: Location, value: Any) -> Iterator[tuple[Location, Any]]:
+    """Yield all SymPy values in a field, with the location of each, without places in lists."""
+    if isinstance(value, sympy.Basic):
+        yield location, value
+    elif isinstance(value, dict):
+        for name, part in value.items():
+            yield from _values((*location, name), part)
+    elif isinstance(value, tuple):
+        for i, part in enumerate(value):
+            yield from _values((*location, i) if location == ("links",) else location, part)
 
-    def look(value: Any) -> None:
-        if isinstance(value, sympy.Basic):
-            used.update(value.free_symbols)
-        elif isinstance(value, tuple):
-            for part in value:
-                look(part)
-        elif isinstance(value, dict):
-            look(tuple(value.values()))
 
-    look(file.model_dump(exclude={"parameters"}))
-    return used
+def _without_value(value: Any, defaults: Mapping[Any, Any]) -> str | None:
+    """Say that a value is no real, finite number at the defaults of its parameters, if so."""
+    own = {s: x for s, x in defaults.items() if s in value.free_symbols and x is not None}
+    found = value.xreplace(own) if own else value
+    if not found.has(sympy.nan, sympy.zoo, sympy.oo, -sympy.oo, sympy.I) and (
+        not found.is_number or numeric(found).is_Number
+    ):
+        return None
+    given = ", ".join(f"{s} = {shown(x)}" for s, x in own.items())
+    return f"`{value}` is not a real, finite number at the default {given}"
 
 
 def _data(link: Link) -> LinkData:

@@ -10,7 +10,7 @@ import pytest
 
 import moro
 import moro_codegen as mc
-from moro_codegen import progress
+from moro_codegen import progress, waiting
 
 
 class Terminal(io.StringIO):
@@ -78,6 +78,18 @@ def test_a_notebook_shows_a_line_and_clears_it(monkeypatch):
         progress.tell("generating tau")
         wait_for(lambda: any(re.fullmatch(r"generating tau \(\d+ s\)", line) for line in lines))
     assert lines[-1] == ""
+
+
+@pytest.mark.usefixtures("_at_once")
+def test_what_is_waited_for_is_said_in_the_line(monkeypatch):
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "100")
+    with progress.shown():
+        waiting.say("waiting for the compiler, cc")
+        wait_for(lambda: "waiting for the compiler, cc (" in terminal.getvalue())
+    assert "moro: " not in terminal.getvalue()
 
 
 def test_an_error_ends_the_line(monkeypatch):

@@ -394,3 +394,24 @@ def test_a_random_point_respects_sums_and_products():
 def test_dependences_of_rows():
     rows = [[1, 2, 0], [0, 0, 0], [2, 4, 0], [0, 1, 1], [1, 4, 2], [1, 0, 0]]
     assert dependences(rows, 101) == {1: [], 2: [0], 4: [0, 3]}
+
+
+def test_dependences_modulo_small_and_large_primes():
+    """Whole numbers of 64 bits where products fit, of any size elsewhere."""
+    rng = random.Random(1)
+    size = 2**31
+    rows = [[rng.randrange(size) for _ in range(9)] for _ in range(4)]
+    rows.insert(2, [3 * x - 5 * y for x, y in zip(*rows[:2], strict=True)])
+    for prime in (2**31 - 1, 2**61 - 1):
+        assert dependences([[x % prime for x in row] for row in rows], prime) == {2: [0, 1]}
+
+
+def test_each_seed_has_its_own_prime():
+    for roots in ([2], [2, 10007, 10009]):
+        ring = TrigRing()
+        values = [ring.convert(sp.sqrt(root)) for root in roots]
+        points = [RandomPoint(ring, [], states=1, seed=seed) for seed in range(3)]
+        assert len({point.prime for point in points}) == 3
+        for point in points:
+            for root, value in zip(roots, values, strict=True):
+                assert (point.evaluate(value)[0] ** 2 - root) % point.prime == 0

@@ -191,6 +191,29 @@ def test_python_gets_the_same_warnings():
     assert warnings_of(lambda: robot.with_parameters({})) == []
 
 
+@pytest.mark.parametrize(
+    ("default", "value", "at"),
+    [
+        ("0", "1/x", "x = 0"),
+        ("1", "y/(x - 1)", "x = 1"),
+        ("0", "log(x)", "x = 0"),
+        ("-4", "2 + sqrt(x)", "x = -4"),
+        ("2", "asin(x)", "x = 2"),
+        ("1", "1/x", None),
+        ("null", "1/x", None),
+    ],
+)
+def test_defaults_at_which_a_value_is_no_number(read_with, default, value, at):
+    head = f"parameters: {{x: {default}, y: null}}\ngravity: [0, 0, -y]\n"
+    for field in ({"a": value}, {"mass": value}, {"com": f"[0, {value}, 0]"}):
+        messages = [x for x in read_with(head, **field) if "not a real, finite number" in x]
+        (name,) = field
+        assert len(messages) == (at is not None)
+        for message in messages:
+            assert f": links[1].{name}: `" in message
+            assert message.endswith(f"is not a real, finite number at the default {at}")
+
+
 def test_parameters_that_nothing_uses(read_with):
     messages = read_with("parameters: {x: 1, y: 2, z: 3}\ngravity: [0, 0, -z]\n", mass="2*y")
     assert messages == ["1: parameters.x: this parameter is not used in the file"]
