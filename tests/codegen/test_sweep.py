@@ -105,7 +105,7 @@ def test_the_command_on_long_arms(joints, tmp_path):
         f"com: [{rng.randint(-9, 9) / 100}, 0.02, 0.01], inertia: [0.1, 0.12, 0.11]}}"
         for _ in range(joints)
     ]
-    text = "\n".join(["name: long", "convention: dh", "gravity: [0, 0, -9.81]", "links:", *links])
+    text = "\n".join(["name: arm", "convention: dh", "gravity: [0, 0, -9.81]", "links:", *links])
     (tmp_path / "long.yaml").write_text(text)
     command = [sys.executable, "-m", "moro_codegen", "long.yaml"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
