@@ -193,15 +193,21 @@ def friction_coefficients(model: Model, i: int) -> dict[str, Any]:
 
 
 def inertial_symbols(model: Model) -> set[Any]:
-    """Return the symbols of masses and tensors: those that are no lengths."""
-    masses, moments, tensors = set[Any](), set[Any](), set[Any]()
+    """Return the symbols of masses and central tensors; of other tensors, those of no length."""
+    masses, tensors, lengths = set[Any](), set[Any](), set[Any]()
     for body in model.bodies:
-        masses |= sp.sympify(body.mass).free_symbols
-        moments = moments.union(*(sp.sympify(x).free_symbols for x in body.first_moment))
-        tensors = tensors.union(*(sp.sympify(x).free_symbols for row in body.inertia for x in row))
-    for joint in model.joints:
-        moments = moments.union(*(sp.sympify(x).free_symbols for x in joint.placement.p))
-    return masses | (tensors - moments)
+        masses |= _symbols((body.mass,))
+        about = body.inertia if body.central is None else body.central.inertia
+        tensors |= _symbols(x for row in about for x in row)
+        if body.central is None:
+            lengths |= _symbols(body.first_moment)
+    if lengths:
+        lengths = lengths.union(*(_symbols(joint.placement.p) for joint in model.joints))
+    return masses | (tensors - lengths)
+
+
+def _symbols(values: Iterable[Any]) -> set[Any]:
+    return set().union(*(sp.sympify(x).free_symbols for x in values))
 
 
 def _combination(form: Form, display: Display) -> Any:

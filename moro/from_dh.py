@@ -16,7 +16,7 @@ import sympy as sp
 
 from moro.arm import Arm, Row
 from moro.meanings import meanings
-from moro.model import Body, Frame, Joint, Model, Parameter, Placement, Shift, Turn
+from moro.model import Body, Central, Frame, Joint, Model, Parameter, Placement, Shift, Turn
 from moro.model.placement import Step
 from moro.spatial.vectors import (
     Matrix,
@@ -102,16 +102,20 @@ def _by(*steps: Step) -> Placement:
 def _body(arm: Arm, i: int) -> Body:
     """Return the inertial parameters of link i about the origin of its joint's frame (Steiner)."""
     nothing = (_ZERO, _ZERO, _ZERO)
+    c = _vector(arm.cm_positions[i]) if arm.cm_positions else nothing
+    I = _matrix(arm.inertia_tensors[i]) if arm.inertia_tensors else (nothing, nothing, nothing)
+    frame = frame_in_link(arm, i)
+    given = Central(c, I, frame)
     if arm.masses is None or arm.cm_positions is None:
-        return Body(_ZERO, nothing, (nothing, nothing, nothing), in_numbers=False)
-    m, c, frame = arm.masses[i], _vector(arm.cm_positions[i]), frame_in_link(arm, i)
-    I = (nothing, nothing, nothing) if arm.inertia_tensors is None else arm.inertia_tensors[i]
-    I = _matrix(I)
+        return Body(_ZERO, nothing, (nothing, nothing, nothing), False, given)
+    m = arm.masses[i]
     in_numbers = arm.inertia_tensors is not None and _in_numbers(m, c, I)
     if any(map(_divisors, (m, *c, *I[0], *I[1], *I[2]))):
-        return replace(_body_of_quotients(m, c, I, frame), in_numbers=in_numbers)
+        body = _body_of_quotients(m, c, I, frame)
+        return replace(body, in_numbers=in_numbers, central=given)
     r = add(times(frame.R, c), frame.p)
-    return Body(m, scaled(m, r), sum_of(_in_parent(I, frame), _spread(m, r, r)), in_numbers)
+    tensor = sum_of(_in_parent(I, frame), _spread(m, r, r))
+    return Body(m, scaled(m, r), tensor, in_numbers, given)
 
 
 def _in_numbers(m: Any, c: Vector, I: Matrix) -> bool:

@@ -2,31 +2,68 @@
 
 from __future__ import annotations
 
+import copy
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Generic, Literal, TypeVar, overload
 
 import sympy as sp
 
 from moro import checks
-from moro.abc import t
-from moro.base_parameters import BaseParameters, base_parameters, friction_coefficients
-from moro.closed_form import ClosedForm
-from moro.collect import Collector
+from moro.arm import Arm
 from moro.description import Description
-from moro.display import Display
-from moro.matrix_form import matrix_form
-from moro.model import Frame, Placement
-from moro.notebook import Equations, Page
-from moro.regressor import Regressor, regressor_columns
-from moro.spatial.vectors import Vector, add, product, scaled, times, transpose
-from moro.standard_parameters import Standard
-from moro.trig import Trig, TrigRing
+from moro.hand_made import HandMade
+from moro.meant import elsewhere
+from moro.mechanics import Mechanics
+from moro.model import Model
+from moro.notebook import Page
+from moro.source import QUANTITIES, Source
+from moro.tables import Table
+
+_T = TypeVar("_T")
+_Self = TypeVar("_Self", bound="Robot")
 
 
-class Robot(Description):
-    """A serial robot arm given by rows of DH parameters.
+class _Given(Generic[_T]):
+    """What a robot's source holds; results that depend on it are dropped when it is set."""
+
+    def __init__(self, of: Any, used: bool = True):
+        self.__doc__ = of.__doc__
+        self._used = used
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    @overload
+    def __get__(self, robot: None, owner: type) -> _Given[_T]: ...
+    @overload
+    def __get__(self, robot: Robot, owner: type) -> _T: ...
+    def __get__(self, robot: Robot | None, owner: type) -> Any:
+        if robot is None:
+            return self
+        if self._name in QUANTITIES:
+            return robot._source.given(self._name)
+        if not hasattr(robot._source, self._name):
+            raise AttributeError(
+                f"{robot.name} has no {self._name}: that is of DH rows, and it is made of a Model"
+            )
+        return getattr(robot._source, self._name)
+
+    def __set__(self, robot: Robot, value: Any) -> None:
+        if getattr(getattr(Description, self._name), "fset", None) is None:
+            raise AttributeError(f"{self._name} of a Robot cannot be set")
+        if getattr(getattr(type(robot._source), self._name, None), "fset", None) is None:
+            raise AttributeError(
+                f"{self._name} of {robot.name} cannot be set: it is made of a Model; make another "
+                "model, by dataclasses.replace say, and Robot.of(model)"
+            )
+        setattr(robot._source, self._name, value)
+        robot._forget(results=self._used)
+
+
+class Robot(Mechanics):
+    """A robot arm given by rows of DH parameters, or any robot as a ``Model`` (``Robot.of``).
 
     A row is ``(a, alpha, d, theta)`` or ``(a, alpha, d, theta, "r" | "p")``: link length [m], link
     twist [rad], link offset [m], joint angle [rad]. The joint variable stands in ``theta`` of a
@@ -48,273 +85,85 @@ class Robot(Description):
     what was found.
     """
 
+    def __init__(
+        self,
+        *rows: Any,
+        convention: Literal["dh", "mdh"] = "dh",
+        name: str = "robot",
+        **others: Any,
+    ):
+        super().__init__(Description(*rows, convention=convention, name=name, **others))
+
     @classmethod
-    def load(cls, source: str | os.PathLike[str]) -> Robot:
-        """Return the robot of a robot.yaml (a path) or of a packaged arm (its name)."""
-        from moro.io import load
+    def load(cls: type[_Self], source: str | os.PathLike[str]) -> _Self:
+        """Return the robot that a file describes.
 
-        return load(source)
+        ``source`` is the path of a robot file, or the name of a packaged arm. Where it could be
+        both, it is the packaged arm; ``./puma560`` is always a path.
 
-    # -- frames -----------------------------------------------------------------------------------
-
-    @property
-    def Ts(self) -> list[sp.Matrix]:
-        """Transforms of neighbours, frame i in frame i - 1, for i = 1..n (4 x 4)."""
-        return [self.T_ij(i, i - 1) for i in range(1, self.dof + 1)]
-
-    @property
-    def T(self) -> sp.Matrix:
-        """Forward kinematics T_n0: frame n expressed in frame 0 (4 x 4)."""
-        return self.T_i0(self.dof)
-
-    def T_i0(self, i: int) -> sp.Matrix:
-        """Frame i expressed in frame 0 (4 x 4)."""
-        return self.T_ij(i, 0)
-
-    def T_ij(self, i: int, j: int) -> sp.Matrix:
-        """Frame i expressed in frame j, for any order of i and j (4 x 4)."""
-        i, j = self._frame(i), self._frame(j)
-        return self._matrix(("T", i, j), lambda: self._transform(i, j))
-
-    def R_i0(self, i: int) -> sp.Matrix:
-        """Rotation of frame i in frame 0 (3 x 3)."""
-        return self.T_i0(i)[:3, :3]
-
-    def r_o(self, i: int) -> sp.Matrix:
-        """Position of the origin of frame i, in frame 0 (3 x 1) [m]."""
-        return self.T_i0(i)[:3, 3]
-
-    def z(self, i: int) -> sp.Matrix:
-        """Direction of the z axis of frame i, in frame 0 (3 x 1)."""
-        return self.T_i0(i)[:3, 2]
-
-    # -- Jacobians --------------------------------------------------------------------------------
-
-    @property
-    def J(self) -> sp.Matrix:
-        """Geometric Jacobian of frame n, in frame 0 (6 x n, linear rows first)."""
-        return self.J_point([0, 0, 0], self.dof)
-
-    def J_point(self, point: Any, i: int) -> sp.Matrix:
-        """Geometric Jacobian of a point of link i, given in frame i (6 x n, linear rows first)."""
-        link = self._link(i)
-        r = checks.vector(point, "point", self.qs)
-        return self._matrix(("J", i, r), lambda: self._jacobian(link, r))
-
-    def J_cm_i(self, i: int) -> sp.Matrix:
-        """Jacobian of the centre of mass of link i, in frame 0 (6 x n, linear rows first)."""
-        return self.J_point(self._needed("cm_positions")[self._link(i)], i)
-
-    def Jv_cm_i(self, i: int) -> sp.Matrix:
-        """Linear velocity Jacobian of the centre of mass of link i (3 x n): v_Ci = Jv qd."""
-        return self.J_cm_i(i)[:3, :]
-
-    def Jw_cm_i(self, i: int) -> sp.Matrix:
-        """Angular velocity Jacobian of link i (3 x n): w_i = Jw qd."""
-        return self.J_cm_i(i)[3:, :]
-
-    # -- masses in frame 0, velocities ------------------------------------------------------------
-
-    def r_cm(self, i: int) -> sp.Matrix:
-        """Centre of mass of link i, in frame 0 (3 x 1) [m]."""
-        link = self._link(i)
-        self._needed("cm_positions")
-        return self._matrix(("r_cm", i), lambda: [[x] for x in self._cm(link)])
-
-    def I_cm0(self, i: int) -> sp.Matrix:
-        """Inertia tensor of link i about its centre of mass, in axes of frame 0: R I R^T."""
-        link = self._link(i)
-        I = self._needed("inertia_tensors")[link]
-        return self._matrix(("I_cm0", i), lambda: self._rotated_tensor(link, I))
-
-    def v_cm(self, i: int) -> sp.Matrix:
-        """Velocity of the centre of mass of link i, in frame 0 (3 x 1): d r_Ci/dt [m/s]."""
-        self._warn_if_static("v_cm")
-        link = self._link(i)
-        self._needed("cm_positions")
-        return self._matrix(("v_cm", i), lambda: [[self._rate(x)] for x in self._cm(link)])
-
-    def w(self, i: int) -> sp.Matrix:
-        """Angular velocity of link i, in frame 0 (3 x 1) [rad/s]."""
-        self._warn_if_static("w")
-        link = self._link(i)
-        return self._matrix(("w", i), lambda: self._angular_velocity(range(link + 1)))
-
-    def w_rel0(self, i: int) -> sp.Matrix:
-        """Angular velocity of link i relative to link i - 1, in frame 0 (3 x 1) [rad/s]."""
-        self._warn_if_static("w_rel0")
-        link = self._link(i)
-        return self._matrix(("w_rel0", i), lambda: self._angular_velocity([link]))
-
-    # -- energies ---------------------------------------------------------------------------------
-
-    def link_kinetic_energy(self, i: int) -> Any:
-        """K_i = 1/2 m_i v_Ci . v_Ci + 1/2 w_i . (R I R^T) w_i [J]."""
-        self._warn_if_static("link_kinetic_energy")
-        link = self._link(i)
-        self._needed("masses", "cm_positions", "inertia_tensors")
-        return self._scalar(("K", i), lambda: self._kinetic_energies()[link])
-
-    def link_potential_energy(self, i: int) -> Any:
-        """P_i = -m_i g . r_Ci, zero at the origin of frame 0 [J]."""
-        link = self._link(i)
-        self._needed("masses", "cm_positions", "gravity")
-        return self._scalar(("P", i), lambda: self._form.potential_energies[link])
-
-    def kinetic_energy(self) -> Any:
-        """K, the sum of all K_i, and 1/2 I_r qd^2 of the rotors if they are set [J]."""
-        self._warn_if_static("kinetic_energy")
-        self._needed("masses", "cm_positions", "inertia_tensors")
-        return self._scalar("K", self._total_kinetic_energy)
-
-    def potential_energy(self) -> Any:
-        """P, the sum of all P_i [J]."""
-        self._needed("masses", "cm_positions", "gravity")
-        return self._scalar("P", lambda: sum(self._form.potential_energies, self._ring.zero))
-
-    def lagrangian(self) -> Any:
-        """L = K - P [J]."""
-        self._warn_if_static("lagrangian")
-        self._needed("masses", "cm_positions", "inertia_tensors", "gravity")
-        return self._scalar(
-            "L", lambda: self._total_kinetic_energy() - sum(self._form.potential_energies)
-        )
-
-    # -- equations of motion ----------------------------------------------------------------------
-
-    def inertia_matrix(self, collect: bool = False) -> Any:
-        """M = sum of m Jv^T Jv + Jw^T R I R^T Jw, rotor inertias on the diagonal (n x n).
-
-        By Jacobians, as in Spong, Hutchinson & Vidyasagar, Robot Modeling and Control, section 7.2,
-        and Siciliano et al., Robotics, section 7.1. ``collect=True`` names the combinations of
-        masses, lengths and inertias in it and returns a ``Collected``.
+        Raises ``moro.io.RobotFileError``, a ValueError, that lists all that is wrong with the file,
+        with lines and fields. Warns (RobotFileWarning) of what is legal but probably not meant.
         """
-        self._needed("masses", "cm_positions", "inertia_tensors")
-        if collect:
-            return self._collector.inertia_matrix()
-        return self._matrix("M", lambda: self._form.inertia_matrix)
+        from moro.io import description  # which asks for more than SymPy
 
-    def christoffel_symbols(self, i: int, j: int, k: int, M: Any) -> Any:
-        """c_ijk = 1/2 (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i), for any n x n matrix M.
+        return cls._made_of(description(source))
 
-        Christoffel symbols of the first kind: Spong et al., section 7.3.
+    @classmethod
+    def of(cls: type[_Self], model: Model) -> _Self:
+        """Return the robot that is a ``Model``, a tree say, in exact values.
+
+        It has no rows: its masses and all else are set in the model. Frame i is the model's frame
+        called i, or else that of joint i; others are known by their names, ``robot.T_i0("hand")``.
         """
-        i, j, k = (self._joint(x) for x in (i, j, k))
-        M = checks.matrix(M, "M")
-        if M.shape != (self.dof, self.dof):
-            raise ValueError(f"M must be {self.dof} x {self.dof}, not {M.shape[0]} x {M.shape[1]}")
-        entry, diff, qs = self._ring.convert, self._ring.diff, self.qs
-        total = (
-            diff(entry(M[i, j]), qs[k]) + diff(entry(M[i, k]), qs[j]) - diff(entry(M[j, k]), qs[i])
-        )
-        return self._show(total * self._ring.half)
+        return cls._made_of(HandMade(model))
 
-    def coriolis_matrix(self, collect: bool = False) -> Any:
-        """C with C_ij = sum_k c_ijk qd_k (n x n): dM/dt - 2 C is skew-symmetric.
+    @classmethod
+    def _made_of(cls: type[_Self], source: Source) -> _Self:
+        robot = cls.__new__(cls)
+        Mechanics.__init__(robot, source)
+        return robot
 
-        ``collect=True`` writes it in the constants that it has in common with M.
+    # -- what is given ----------------------------------------------------------------------------
+
+    name = _Given[str](Description.name, used=False)
+    convention = _Given[str](Description.convention)
+    dh_parameters = _Given[list[tuple[Any, ...]]](Description.dh_parameters)
+    dh_table = _Given[Table](Description.dh_table)
+    arm = _Given[Arm](Description.arm)
+    joint_limits = _Given[list[tuple[Any, Any]]](Description.joint_limits)
+    masses = _Given[list[Any] | None](Description.masses)
+    cm_positions = _Given[list[sp.Matrix] | None](Description.cm_positions)
+    inertia_tensors = _Given[list[sp.Matrix] | None](Description.inertia_tensors)
+    gravity = _Given[sp.Matrix | None](Description.gravity)
+    rotor_inertias = _Given[list[Any] | None](Description.rotor_inertias)
+    viscous_friction = _Given[list[Any] | None](Description.viscous_friction)
+    coulomb_friction = _Given[list[tuple[Any, Any]] | None](Description.coulomb_friction)
+    parameters = _Given[dict[Any, Any]](Description.parameters, used=False)
+
+    def declare(self, defaults: Mapping[Any, Any]) -> None:
+        """Add parameters, with their defaults, that the model need not hold.
+
+        Functions of one's own may use them; kernels that do not, do not ask for them. Those that a
+        robot.yaml declares are among them.
         """
-        self._warn_if_static("coriolis_matrix")
-        self._needed("masses", "cm_positions", "inertia_tensors")
-        if collect:
-            return self._collector.coriolis_matrix()
-        return self._coriolis_matrix()
+        self._source.declare(defaults)
+        self._forget()
 
-    def gravity_vector(self, collect: bool = False) -> Any:
-        """G = grad P (n x 1); ``collect=True`` names its constants."""
-        self._needed("masses", "cm_positions", "gravity")
-        if collect:
-            return self._collector.gravity_vector()
-        return self._matrix("G", lambda: [[x] for x in self._form.gravity_vector])
+    def with_parameters(self: _Self, values: Mapping[Any, Any]) -> _Self:
+        """Return a new robot in which symbols have been given values.
 
-    def friction_vector(self) -> sp.Matrix:
-        """Friction torques (n x 1), viscous * qd + Coulomb; zero where neither is set.
-
-        Coulomb friction is (p - n)/2 sign(qd)^2 + (p + n)/2 sign(qd), that is p for qd > 0, -n for
-        qd < 0 and 0 at rest.
+        ``values`` maps symbols, or their names, to numbers or expressions. ValueError for a symbol
+        that the model does not hold.
         """
-        self._warn_if_static("friction_vector")
-        return sp.Matrix([self._friction(i) for i in range(self.dof)])
+        return self._made_of(self._source.with_parameters(values))
 
-    def dynamic_model(self, collect: bool = False) -> Any:
-        """Euler-Lagrange equations d/dt dL/dqd_i - dL/dq_i = tau_i, friction on the left if set.
+    def model_summary(self) -> Table:
+        """Return what is given, what was assumed by default, and what is not set."""
+        return self._source.summary()
 
-        ``collect=True`` writes them in the constants of M and G: ``Collected.equations``.
-        """
-        self._warn_if_static("dynamic_model")
-        self._needed("masses", "cm_positions", "inertia_tensors", "gravity")
-        if collect:
-            friction = [self._friction(i) for i in range(self.dof)]
-            return self._collector.equations(friction, self._taus())
-        left = self._matrix("EL", lambda: [[x] for x in self._euler_lagrange()])
-        friction = [self._friction(i) for i in range(self.dof)]
-        rows = zip(left, friction, self._taus(), strict=True)
-        return Equations((sp.Eq(x + f, tau, evaluate=False) for x, f, tau in rows), self._notation)
-
-    #: the same, by the name that says what they are
-    euler_lagrange_equations = dynamic_model
-
-    def dynamic_model_matrix_form(self) -> Any:
-        """M qdd + C qd + G = tau as an ``Eq`` of unevaluated blocks, friction beside G if set."""
-        self._warn_if_static("dynamic_model_matrix_form")
-        qd, qdd = ([q.diff(t, k) for q in self.qs] for k in (1, 2))
-        terms = [(self.inertia_matrix(), qdd), (self._coriolis_matrix(), qd)]
-        rest = [self.gravity_vector()]
-        if self._viscous_friction or self._coulomb_friction:
-            rest.append(sp.Matrix([self._friction(i) for i in range(self.dof)]))
-        return matrix_form(terms, rest, self._taus())
-
-    # -- inertial parameters ----------------------------------------------------------------------
-
-    def base_parameters(self, zeros: bool | None = None) -> BaseParameters:
-        """Return the minimal inertial parameters: those that the torques can tell apart.
-
-        Each is a combination of the links' inertial parameters XX_1, .., MX_1, .., M_1 (tensor,
-        first moments and mass about the origin of Khalil's frame: z along joint i, x along the
-        common normal to joint i + 1) with lengths and twists, and has a value in the symbols of
-        the model. XXR_2 is XX_2 with others that act alike. Rotor inertias (IA) and friction (FV
-        viscous; FC and FD Coulomb, half the sum of both directions and half the difference) are
-        parameters too, if they are set. No smaller set gives the same torques; theory and sources
-        are in ``moro.base_parameters``.
-
-        Geometry and gravity decide which there are. A parameter whose value is zero is left out
-        where zero is an assumption of the model (of a link given in symbols, of friction and
-        rotors), and stands where it is a number among numbers, also if a payload is added to them;
-        ``zeros`` True or False keeps or leaves out all of them.
-        """
-        self._needed("gravity")
-        return self._all_base_parameters().counted(self._form.model, zeros)
-
-    def regressor(self, zeros: bool | None = None) -> Regressor:
-        """Return (Y, p) with M qdd + C qd + G + friction = Y(q, qd, qdd) p identically.
-
-        Y is n x b, p the b values of ``base_parameters(zeros)``, in that order. The columns of Y
-        are linearly independent.
-        """
-        self._warn_if_static("regressor")
-        parameters = self.base_parameters(zeros)
-        leaders = tuple(x.leader for x in parameters)
-        columns = self._matrix(("Y", leaders), lambda: self._regressor_columns(leaders)).T
-        Y = columns.reshape(self.dof, len(leaders))
-        return Regressor(Y, parameters.values, self._notation)
-
-    # -- as a whole -------------------------------------------------------------------------------
-
-    def simplify(self, expr: Any) -> Any:
-        """Return an expression (or matrix) in the joint variables in canonical, shortest form.
-
-        Exact: two expressions that are equal as trigonometric polynomials become identical, and
-        zero becomes 0. A denominator that is a polynomial of symbols cancels wherever it is a
-        factor, m1/(m1 + m2) + m2/(m1 + m2) is 1; sums over different denominators that share
-        symbols are not brought to a common one.
-        """
-        if isinstance(expr, sp.MatrixBase):
-            return expr.applyfunc(self.simplify)
-        return self._show(self._ring.convert(expr))
-
-    def latex(self, expr: Any) -> str:
-        r"""Return an expression, matrix or equation in LaTeX as texts do: s_{23}, \dot{q}_1."""
-        return self._notation.latex(expr)
+    def model(self) -> Model:
+        """Return the robot as all algorithms read it (``moro.model``)."""
+        return self._model
 
     def report(
         self, kind: Literal["tex", "html"], path: str | os.PathLike[str] | None = None
@@ -325,172 +174,34 @@ class Robot(Description):
         the texts, long sub-expressions named, no line wider than the page. ``path``: written there
         too. The LaTeX needs amsmath and geometry, the HTML nothing else; Jupyter shows it.
         """
-        from moro.report import report
+        from moro.report import report  # which asks for Jinja
 
-        page = report(self, kind)
+        page = report(self, self._source, self._collector, kind)
         if path is not None:
             Path(path).write_text(page, encoding="utf-8")
         return Page(page) if kind == "html" else page
 
-    # -- closed forms -----------------------------------------------------------------------------
+    def __copy__(self: _Self) -> _Self:
+        robot = type(self).__new__(type(self))
+        robot.__dict__.update(self.__dict__, _source=copy.copy(self._source))
+        robot._forget()
+        return robot
 
-    def _forget(self) -> None:
-        self._closed_form: ClosedForm | None = None
-        self._display: Display | None = None
-        self._results: dict[Any, Any] = {}
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_") and not hasattr(type(self), name):
+            there = (x for x in dir(type(self)) if not x.startswith("_"))
+            advice = elsewhere(name)
+            near = f"; {advice}" if advice else checks.suggestion(name, there)
+            raise AttributeError(f"a Robot has no {name}{near}")
+        super().__setattr__(name, value)
 
-    @property
-    def _form(self) -> ClosedForm:
-        if self._closed_form is None:
-            self._closed_form = ClosedForm(self.model(), TrigRing())
-            # one order of generators, whatever is asked for first: equal results are identical
-            for symbol in (*self.qs, *self._velocities(), *self.parameters):
-                self._closed_form.ring.generator(symbol)
-        return self._closed_form
+    def __repr__(self) -> str:
+        kinds = "".join(self.joint_types).upper()
+        given = f"convention {self.convention}" if self.convention else "made of a Model"
+        return f"<Robot {self.name}: {self.dof} joints {kinds}, {given}>"
 
-    @property
-    def _ring(self) -> TrigRing:
-        ring: TrigRing = self._form.ring
-        return ring
+    def _repr_latex_(self) -> str:
+        return self._source.table._repr_latex_()
 
-    def _show(self, p: Trig) -> Any:
-        return self._shown_by(p)
-
-    @property
-    def _shown_by(self) -> Display:
-        if self._display is None:
-            tensors = self._inertia_tensors or ()
-            constants = [*(self._masses or ()), *(x for I in tensors for row in I for x in row)]
-            self._display = Display(
-                self._ring,
-                inertial=set().union(*(x.free_symbols for x in constants)),
-                velocities=self._velocities(),
-                decimal=bool(self._with_floats),
-            )
-        return self._display
-
-    @property
-    def _collector(self) -> Collector:
-        if "collector" not in self._results:
-            self._results["collector"] = Collector(
-                self._form, self._shown_by, self._notation, self.parameters
-            )
-        collector: Collector = self._results["collector"]
-        return collector
-
-    def _matrix(self, key: Any, entries: Callable[[], Sequence[Sequence[Trig]]]) -> sp.Matrix:
-        if key not in self._results:
-            rows = [[self._show(x) for x in row] for row in entries()]
-            self._results[key] = sp.ImmutableMatrix(rows)
-        return sp.Matrix(self._results[key])
-
-    def _scalar(self, key: Any, value: Callable[[], Trig]) -> Any:
-        if key not in self._results:
-            self._results[key] = self._show(value())
-        return self._results[key]
-
-    def _transform(self, i: int, j: int) -> list[list[Trig]]:
-        frames = self._numbered_frames
-        R, r = self._form.geometry.relative(frames[i], frames[j])
-        zero, one = self._ring.zero, self._ring.one
-        rows = [[*row, x] for row, x in zip(R, r, strict=True)]
-        return [*rows, [zero, zero, zero, one]]
-
-    def _jacobian(self, link: int, point: Sequence[Any]) -> list[list[Trig]]:
-        frame = self._numbered_frames[link + 1]
-        columns = self._form.geometry.jacobian(frame, self._in_ring(point))
-        return [list(row) for row in zip(*columns, strict=True)]
-
-    def _cm(self, link: int) -> list[Trig]:
-        R, p = self._form.geometry.pose(self._numbered_frames[link + 1])
-        r = self._in_ring(self._needed("cm_positions")[link])
-        return [x + y for x, y in zip(p, times(R, r), strict=True)]
-
-    def _rotated_tensor(self, link: int, I: Any) -> Any:
-        x, y, z = map(self._in_ring, I)
-        R, _ = self._form.geometry.pose(self._numbered_frames[link + 1])
-        return product(product(R, (x, y, z)), transpose(R))
-
-    @property
-    def _numbered_frames(self) -> list[Frame]:
-        """Frames 0 (the base) to n."""
-        return [Frame("0", -1, Placement()), *self._form.model.frames]
-
-    def _in_ring(self, v: Sequence[Any]) -> Vector:
-        x, y, z = map(self._ring.convert, v)
-        return x, y, z
-
-    def _velocities(self) -> list[Any]:
-        """Joint velocities and accelerations, but of joint variables that are plain symbols."""
-        return [q.diff(t, k) for k in (1, 2) for q in self.qs if not q.is_Symbol]
-
-    def _rates(self) -> list[Trig]:
-        return [self._ring.convert(q.diff(t)) for q in self.qs]
-
-    def _rate(self, x: Trig) -> Trig:
-        """dx/dt by the chain rule."""
-        terms = (self._ring.diff(x, q) * qd for q, qd in zip(self.qs, self._rates(), strict=True))
-        return sum(terms, self._ring.zero)
-
-    def _angular_velocity(self, joints: Iterable[int]) -> list[list[Trig]]:
-        rates, axes = self._rates(), self._form.geometry.axes
-        omega: Vector = (self._ring.zero,) * 3
-        for k in joints:
-            _, angular = self._form.model.joints[k].type.column(axes[k], axes[k])
-            omega = add(omega, scaled(rates[k], angular))
-        return [[x] for x in omega]
-
-    def _coriolis_matrix(self) -> sp.Matrix:
-        return self._matrix("C", lambda: self._form.coriolis_matrix(self._rates()))
-
-    def _kinetic_energies(self) -> list[Trig]:
-        if "K_i" not in self._results:
-            self._results["K_i"] = self._form.kinetic_energies(self._rates())
-        energies: list[Trig] = self._results["K_i"]
-        return energies
-
-    def _total_kinetic_energy(self) -> Trig:
-        links = sum(self._kinetic_energies(), self._ring.zero)
-        rotors: Trig = self._form.rotor_energy(self._rates())
-        return links + rotors
-
-    def _euler_lagrange(self) -> list[Trig]:
-        return self._at_rest(self._form.euler_lagrange(*self._motion))
-
-    @property
-    def _motion(self) -> tuple[list[Any], list[Any]]:
-        """Symbols of the joint velocities and accelerations, also of joint variables at rest."""
-        if "motion" not in self._results:
-            orders = ([q.diff(t, k) or sp.Dummy() for q in self.qs] for k in (1, 2))
-            self._results["motion"] = tuple(orders)
-        rates, accelerations = self._results["motion"]
-        return rates, accelerations
-
-    def _at_rest(self, polynomials: Sequence[Trig]) -> list[Trig]:
-        """Put in zero for the velocities of joint variables that are plain symbols."""
-        still = [x for order in self._motion for x in order if x.is_Symbol]
-        still += [sp.sign(x) for x in still]
-        return [self._ring.coefficients(p, still).get(0, self._ring.zero) for p in polynomials]
-
-    def _all_base_parameters(self) -> BaseParameters:
-        if "base parameters" not in self._results:
-            rates, _ = self._motion
-            self._results["base parameters"] = base_parameters(
-                self._form.model, self._ring, rates, self._shown_by
-            )
-        found: BaseParameters = self._results["base parameters"]
-        return found
-
-    def _regressor_columns(self, leaders: Sequence[Standard]) -> list[list[Trig]]:
-        columns = regressor_columns(leaders, self._form.model, self._ring, *self._motion)
-        return [self._at_rest(column) for column in columns]
-
-    def _friction(self, i: int) -> Any:
-        qd = self.qs[i].diff(t)
-        speed = {"FV": qd, "FC": sp.sign(qd), "FD": sp.sign(qd) ** 2}
-        found = friction_coefficients(self._form.model, i)
-        terms = (x * speed[name] for name, x in found.items())
-        return sum(terms, sp.Integer(0))
-
-    def _taus(self) -> list[Any]:
-        return [sp.Symbol(f"tau_{i}") for i in range(1, self.dof + 1)]
+    def _repr_html_(self) -> str:
+        return self._source.table._repr_html_()

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from moro.io import load, locate
+from moro import load
+from moro.io import locate
 
 if TYPE_CHECKING:
     from moro import Robot

@@ -1,4 +1,4 @@
-"""robot.yaml in, Robot out: ``load``. Nothing heavy is imported before it is called."""
+"""robot.yaml in, the description of an arm out. Nothing heavy is imported before it is called."""
 
 from __future__ import annotations
 
@@ -10,31 +10,32 @@ from typing import TYPE_CHECKING
 from .errors import Problem, RobotFileError, RobotFileWarning, nearest
 
 if TYPE_CHECKING:
-    from ..robot import Robot
+    from ..description import Description
     from .schema import RobotFile
 
-__all__ = ["Problem", "RobotFileError", "RobotFileWarning", "load", "locate", "packaged", "read"]
+__all__ = [
+    "Problem",
+    "RobotFileError",
+    "RobotFileWarning",
+    "description",
+    "locate",
+    "packaged",
+    "read",
+]
 
 _ROBOTS = Path(__file__).parent.parent / "robots"
 
 
-def load(source: str | os.PathLike[str]) -> Robot:
-    """Return the arm that a file describes, as a Robot.
-
-    ``source`` is the path of a robot file, or the name of a packaged arm (``packaged()``). Where it
-    could be both, it is the packaged arm; ``./puma560`` is always a path.
-
-    Raises RobotFileError, a ValueError, that lists all that is wrong with the file, with lines and
-    fields. Warns (RobotFileWarning) of what is legal but probably not meant.
-    """
+def description(source: str | os.PathLike[str]) -> Description:
+    """Return the arm that a file describes: what ``moro.load`` makes a Robot of."""
     file = read(source)
-    from .build import robot  # after what may refuse the file without SymPy
+    from .build import build  # after what may refuse the file without SymPy
 
-    return robot(file)
+    return build(file)
 
 
 def read(source: str | os.PathLike[str]) -> RobotFile:
-    """Return what the file that ``load`` takes says, validated, in exact SymPy values."""
+    """Return what the file that ``moro.load`` takes says, validated, in exact SymPy values."""
     from . import reader
 
     is_packaged = isinstance(source, str) and source in packaged()
@@ -42,7 +43,7 @@ def read(source: str | os.PathLike[str]) -> RobotFile:
 
 
 def locate(source: str | os.PathLike[str]) -> Path:
-    """Return the path of the file that ``load`` would read."""
+    """Return the path of the file that ``moro.load`` would read."""
     if isinstance(source, str) and source in packaged():
         return _ROBOTS / f"{source}.yaml"
     if isinstance(source, str) and _is_name(source):

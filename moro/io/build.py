@@ -1,4 +1,4 @@
-"""From the description of an arm to a Robot."""
+"""From what a robot file says to the description of an arm."""
 
 from __future__ import annotations
 
@@ -7,36 +7,36 @@ from typing import Any
 import sympy
 
 from ..abc import joint_variable
+from ..description import Description
 from ..plausibility import unremarked
-from ..robot import Robot
 from .schema import Friction, Link, RobotFile
 
 
-def robot(file: RobotFile) -> Robot:
-    """Return the Robot that ``file`` describes. What the file leaves out is not set."""
+def build(file: RobotFile) -> Description:
+    """Return the arm that ``file`` describes. What the file leaves out is not set."""
     with unremarked():
-        return _robot(file)
+        return _build(file)
 
 
-def _robot(file: RobotFile) -> Robot:
+def _build(file: RobotFile) -> Description:
     rows = [_row(link, joint_variable(i)) for i, link in enumerate(file.links, start=1)]
-    robot = Robot(*rows, convention=file.convention, name=file.name)
+    arm = Description(*rows, convention=file.convention, name=file.name)
     links = file.links
-    robot.gravity = file.gravity
-    robot.declare(file.parameters)
+    arm.gravity = file.gravity
+    arm.declare(file.parameters)
     if links[0].mass is not None:  # one has it: all have mass, com and inertia
-        robot.masses = [link.mass for link in links]
-        robot.cm_positions = [link.com for link in links]
-        robot.inertia_tensors = [link.inertia for link in links]
+        arm.masses = [link.mass for link in links]
+        arm.cm_positions = [link.com for link in links]
+        arm.inertia_tensors = [link.inertia for link in links]
     if any(link.rotor_inertia is not None for link in links):
-        robot.rotor_inertias = [link.rotor_inertia or sympy.Integer(0) for link in links]
+        arm.rotor_inertias = [link.rotor_inertia or sympy.Integer(0) for link in links]
     if any(link.friction is not None for link in links):
         friction = [link.friction or Friction() for link in links]
-        robot.viscous_friction = [each.viscous for each in friction]
-        robot.coulomb_friction = [each.coulomb for each in friction]
+        arm.viscous_friction = [each.viscous for each in friction]
+        arm.coulomb_friction = [each.coulomb for each in friction]
     if any(link.limits is not None for link in links):
-        robot.joint_limits = [link.limits for link in links]
-    return robot
+        arm.joint_limits = [link.limits for link in links]
+    return arm
 
 
 def _row(link: Link, q: Any) -> tuple[Any, ...]:

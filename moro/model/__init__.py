@@ -6,7 +6,7 @@ model         joints, bodies, frames
 """
 
 from moro.model.joint_types import JOINT_TYPES, PRISMATIC, REVOLUTE, JointType, Prismatic, Revolute
-from moro.model.model import Body, Frame, Joint, Model, Parameter, as_model
+from moro.model.model import Body, Central, Frame, Joint, Model, Parameter, as_model
 from moro.model.placement import Placement, Rotation, Shift, Turn
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "PRISMATIC",
     "REVOLUTE",
     "Body",
+    "Central",
     "Frame",
     "Joint",
     "JointType",

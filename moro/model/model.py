@@ -46,6 +46,21 @@ class Joint:
         return self.type.assumed_limits if self.limits is None else self.limits
 
 
+_NOWHERE = Placement()
+
+
+@dataclass(frozen=True)
+class Central:
+    """A body as it is described about its centre of mass, in a frame of its link."""
+
+    #: the centre of mass [m]
+    com: Vector
+    #: the tensor about it [kg m^2]
+    inertia: Matrix
+    #: the frame, in that of the joint
+    frame: Placement = _NOWHERE
+
+
 @dataclass(frozen=True)
 class Body:
     """The ten inertial parameters of a body, in the frame of its joint.
@@ -61,6 +76,8 @@ class Body:
     inertia: Matrix
     #: whether a zero among these is a number that was given, rather than an assumption
     in_numbers: bool = True
+    #: how it was given, if it was about its centre of mass; closed forms of that read it
+    central: Central | None = None
 
     @property
     def moments(self) -> Moments:
@@ -176,6 +193,7 @@ class Model:
                 mass=convert(b.mass),
                 first_moment=vector(b.first_moment),
                 inertia=matrix(b.inertia),
+                central=None,
             )
 
         return replace(

@@ -7,31 +7,30 @@ and what would still be longer than a reader wants is given by its formula.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from moro.collect import Collector
+from moro.mechanics import Mechanics
 from moro.report.dynamics import dynamics
 from moro.report.given import given
 from moro.report.kinematics import kinematics
 from moro.report.page import PAGE_WIDTH, Format, Section, render
 from moro.report.writer import Writer
-
-if TYPE_CHECKING:
-    from moro.robot import Robot
+from moro.source import Source
 
 
-def report(robot: Robot, target: Format) -> str:
+def report(robot: Mechanics, source: Source, collector: Collector, target: Format) -> str:
     """Return the derivation in LaTeX ("tex") or as a self-contained page with MathML ("html").
 
+    ``source`` is what the robot is made of; ``collector`` writes its results in named constants.
     What is not set is left out, and the report says so. ValueError for another format.
     """
     if target not in PAGE_WIDTH:
         raise ValueError(f'a report is "tex" or "html", not {target!r}')
-    title = f"Equations of motion: {robot.name}"
-    return render(title, sections(robot, PAGE_WIDTH[target]), target)
+    title = f"Equations of motion: {source.name}"
+    writer = Writer(robot, source, collector, PAGE_WIDTH[target])
+    return render(title, sections(writer), target)
 
 
-def sections(robot: Robot, page: float) -> list[Section]:
-    """Return the sections of the report for a page that is ``page`` em wide."""
-    writer = Writer(robot, page)
+def sections(writer: Writer) -> list[Section]:
+    """Return the sections of the report."""
     derived = [*kinematics(writer), *dynamics(writer)]
     return [*given(writer), *derived]  # last, since it says whether numbers have been rounded

@@ -42,7 +42,7 @@ class Terms:
 def dynamics(writer: Writer) -> Iterator[Section]:
     """Yield the sections on the dynamics, or one that says what is missing for it."""
     robot = writer.robot
-    missing = [name for name in _NEEDED if getattr(robot, name) is None]
+    missing = [name for name in _NEEDED if name in writer.model.not_set]
     if missing:
         words = f"Not derived, because these are not set: {', '.join(missing)}."
         yield Section("Dynamics", [Paragraph([words])])
@@ -68,7 +68,7 @@ def _terms(writer: Writer) -> Terms:
     named = any(x.count_ops() > _LONG_ENTRY for x in (*M, *G))
     constants: dict[Any, Any] = {}
     if named:
-        collector = robot._collector
+        collector = writer.collector
         inertia, potential = collector.inertia_matrix(), collector.potential_energy()
         M, G, P = inertia.matrix, collector.gravity_vector().matrix, potential.matrix[0]
         constants = {**inertia.constants, **potential.constants}
@@ -91,19 +91,19 @@ def _energies(writer: Writer, terms: Terms) -> Iterator[Block]:
     total = [_formula("K", r"\frac{1}{2} \dot{q}^T M \dot{q}")]
     if _is_short(writer, terms):
         K = [writer.equation(f"K_{{{i}}}", robot.link_kinetic_energy(i)) for i in writer.numbers]
-        named = robot._collector.kinetic_energy().matrix[0] if terms.named else None
+        named = writer.collector.kinetic_energy().matrix[0] if terms.named else None
         total = [writer.equation("K", named or robot.kinetic_energy())]
         if writer.lines(K) <= few:
             yield Equations(K)
     if writer.lines(P) <= few:
         yield Equations(P)
-    rotors = ", and the rotors" if robot.rotor_inertias is not None else ""
+    rotors = ", and the rotors" if "rotor_inertias" not in writer.model.not_set else ""
     yield paragraph(f"All links{rotors} together:")
     yield Equations([*total, writer.equation("P", terms.P)])
 
 
 def _inertia(writer: Writer, terms: Terms) -> Iterator[Block]:
-    rotors = writer.robot.rotor_inertias is not None
+    rotors = "rotor_inertias" not in writer.model.not_set
     yield paragraph(
         "$M$ is symmetric, the sum over all links of "
         r"$m_i J_{v_i}^T J_{v_i} + J_{\omega_i}^T R_{i0} I_i R_{i0}^T J_{\omega_i}$"
@@ -125,7 +125,7 @@ def _coriolis(writer: Writer, terms: Terms) -> Iterator[Block]:
     elif terms.lines > _MAX_INERTIA:
         yield paragraph("For this arm they are too long to print.")
     else:
-        symbols = robot._collector.christoffel_symbols()
+        symbols = writer.collector.christoffel_symbols()
         yield Equations(list(_christoffel(writer, symbols)))
         yield paragraph(
             "Beside $c_{ikj} = c_{ijk}$, all others are zero. Entries that are not zero:"
@@ -202,8 +202,7 @@ def _row(writer: Writer, terms: Terms, i: int) -> Formula:
 
 
 def _has_friction(writer: Writer) -> bool:
-    robot = writer.robot
-    return robot.viscous_friction is not None or robot.coulomb_friction is not None
+    return not {"viscous_friction", "coulomb_friction"} <= writer.model.not_set
 
 
 def _formula(left: str, right: str) -> Equation:

@@ -7,38 +7,32 @@ from typing import Any
 
 import sympy as sp
 
+from moro.description import Description
 from moro.markup import markup
 from moro.notation import Notation
 from moro.report.page import Block, Paragraph, Section, paragraph
 from moro.report.writer import Writer
 from moro.typeset import Formula, matrix, text
 
-_KINDS = {"r": "revolute", "p": "prismatic"}
 _PAIRS = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 
 def given(writer: Writer) -> Iterator[Section]:
     """Yield the section that describes the arm."""
-    yield Section("The arm", [*_rows(writer), *_bodies(writer), *_legend(writer)])
+    source = writer.source
+    joints = _rows(writer, source) if isinstance(source, Description) else _joints(writer)
+    yield Section("The arm", [*joints, *_bodies(writer), *_legend(writer)])
 
 
-def _rows(writer: Writer) -> Iterator[Block]:
-    robot, write = writer.robot, writer.write
-    proximal = robot.convention == "mdh"
+def _rows(writer: Writer, arm: Description) -> Iterator[Block]:
+    proximal = arm.convention == "mdh"
     which, before = ("modified", "i-1") if proximal else ("standard", "i")
     yield paragraph(
-        f"An arm with {robot.dof} joint{'s' if robot.dof > 1 else ''}, given by {which} "
+        f"An arm with {arm.dof} joint{'s' if arm.dof > 1 else ''}, given by {which} "
         "Denavit-Hartenberg parameters. Frame $i$ is fixed to link $i$, frame $0$ to the base."
     )
     names: Sequence[str] = ("i", f"a_{{{before}}}", rf"\alpha_{{{before}}}", "d_i", r"\theta_i")
-    joints = zip(writer.numbers, robot.dh_parameters, robot.joint_types, strict=True)
-    lines = [[write(i), *map(write, row), [text(_KINDS[kind])]] for i, row, kind in joints]
-    heads: list[str | Formula] = [*names, [text("joint")]]
-    if robot._joint_limits is not None:
-        heads.append([text("limits")])
-        for i, line in zip(writer.numbers, lines, strict=True):
-            line.append(_limits(writer, i))
-    yield from writer.table(heads, lines)
+    yield from _table(writer, names, arm.dh_parameters)
     yield paragraph(
         "Frame $i$ expressed in frame $i-1$, by turns $R$ and shifts $T$ about and along axes"
         + (r", with $a_{i-1}$ and $\alpha_{i-1}$ of the row before:" if proximal else ":")
@@ -46,14 +40,36 @@ def _rows(writer: Writer) -> Iterator[Block]:
     order = r"R_x(\alpha) T_x(a) R_z(\theta) T_z(d)"
     if not proximal:
         order = r"R_z(\theta) T_z(d) T_x(a) R_x(\alpha)"
-    general = writer.displayed(f"T_{{i,i-1}} = {order}", _transform(robot.convention))
+    general = writer.displayed(f"T_{{i,i-1}} = {order}", _transform(arm.convention))
     if general is not None:
         yield general
 
 
+def _joints(writer: Writer) -> Iterator[Block]:
+    n = writer.model.dof
+    yield paragraph(
+        f"A robot with {n} joint{'s' if n > 1 else ''}. Link $i$ is moved by joint $i$, about or "
+        "along the $z$ axis of its frame; $p_i$ is the link that carries it, $0$ the base."
+    )
+    yield from _table(writer, ("i", "p_i"), [(joint.parent + 1,) for joint in writer.model.joints])
+
+
+def _table(writer: Writer, names: Sequence[str], rows: Sequence[Any]) -> Iterator[Block]:
+    """Yield what is given of each joint, its type, and the limits if there are any."""
+    write, joints = writer.write, writer.model.joints
+    numbered = zip(writer.numbers, rows, joints, strict=True)
+    lines = [[write(i), *map(write, row), [text(joint.type.name)]] for i, row, joint in numbered]
+    heads: list[str | Formula] = [*names, [text("joint")]]
+    if "joint_limits" not in writer.source.assumed:
+        heads.append([text("limits")])
+        for i, line in zip(writer.numbers, lines, strict=True):
+            line.append(_limits(writer, i))
+    yield from writer.table(heads, lines)
+
+
 def _limits(writer: Writer, i: int) -> Formula:
     """Return what is given of the range of joint i."""
-    limits = writer.robot._joint_limits and writer.robot._joint_limits[i - 1]
+    limits = writer.model.joints[i - 1].limits
     if not limits:
         return [text("not given")]
     lower, upper = map(writer.write, limits)
@@ -73,27 +89,28 @@ def _transform(convention: str) -> Any:
 
 
 def _bodies(writer: Writer) -> Iterator[Block]:
-    robot = writer.robot
+    given = writer.source.given
     masses: dict[str, Sequence[Any]] = {}
-    if robot.masses is not None:
-        masses["m_i"] = robot.masses
-    if robot.cm_positions is not None:
-        masses |= {f"{x}_{{C_i}}": _component(robot.cm_positions, k) for k, x in enumerate("xyz")}
+    if (values := given("masses")) is not None:
+        masses["m_i"] = values
+    if (centres := given("cm_positions")) is not None:
+        masses |= {f"{x}_{{C_i}}": _component(centres, k) for k, x in enumerate("xyz")}
     if masses:
         yield paragraph("Masses, and centres of mass $r_{C_i}$ in frame $i$, as far as set:")
         yield from writer.columns(masses)
-    if robot.inertia_tensors is not None:
+    if (inertias := given("inertia_tensors")) is not None:
         yield paragraph("Inertia tensors $I_i$ about the centres of mass, in axes of frame $i$:")
         places = {pair: ("xyz".index(pair[0]), "xyz".index(pair[1])) for pair in _PAIRS}
-        tensors = {p: [I[at] for I in robot.inertia_tensors] for p, at in places.items()}
+        tensors = {p: [I[at] for I in inertias] for p, at in places.items()}
         yield from writer.columns(
             {f"I_{{i,{p}}}": x for p, x in tensors.items() if p[0] == p[1] or any(x)}
         )
+    coulomb = given("coulomb_friction")
     drives = {
-        "I_{r_i}": robot.rotor_inertias,
-        "b_i": robot.viscous_friction,
-        "f_i^{+}": robot.coulomb_friction and _component(robot.coulomb_friction, 0),
-        "f_i^{-}": robot.coulomb_friction and _component(robot.coulomb_friction, 1),
+        "I_{r_i}": given("rotor_inertias"),
+        "b_i": given("viscous_friction"),
+        "f_i^{+}": coulomb and _component(coulomb, 0),
+        "f_i^{-}": coulomb and _component(coulomb, 1),
     }
     found = {name: values for name, values in drives.items() if values is not None}
     if found:
@@ -103,9 +120,9 @@ def _bodies(writer: Writer) -> Iterator[Block]:
             "as they are set:"
         )
         yield from writer.columns(found)
-    if robot.gravity is not None:
+    if (gravity := given("gravity")) is not None:
         yield paragraph("Gravitational acceleration in frame $0$:")
-        yield from writer.vector("g_0", robot.gravity)
+        yield from writer.vector("g_0", gravity)
 
 
 def _component(vectors: Sequence[Any], k: int) -> list[Any]:
@@ -115,7 +132,8 @@ def _component(vectors: Sequence[Any], k: int) -> list[Any]:
 def _legend(writer: Writer) -> Iterator[Block]:
     robot, write = writer.robot, writer.write
     parts: list[str | Formula] = []
-    turning = [q for q, kind in zip(robot.qs, robot.joint_types, strict=True) if kind == "r"]
+    joints = zip(robot.qs, writer.model.joints, strict=True)
+    turning = [q for q, joint in joints if joint.type.is_angle]
     if turning and writer.notation.short:
         long = Notation(robot.qs, short=False)
         parts.append("Sines and cosines are abbreviated: ")

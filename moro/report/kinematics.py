@@ -15,18 +15,22 @@ def kinematics(writer: Writer) -> Iterator[Section]:
     """Yield the sections on positions and directions."""
     yield Section("Frames", list(_frames(writer)))
     yield Section("Jacobian", list(_jacobian(writer)))
-    if writer.robot.cm_positions is not None:
+    if "cm_positions" not in writer.model.not_set:
         yield Section("Centres of mass", list(_centres_of_mass(writer)))
 
 
 def _frames(writer: Writer) -> Iterator[Block]:
-    robot = writer.robot
-    for i, T in zip(writer.numbers, robot.Ts, strict=True):
-        yield from writer.transform(f"T_{{{writer.index(i, i - 1)}}}", T)
-    if robot.dof > 1:
+    robot, parents = writer.robot, [joint.parent + 1 for joint in writer.model.joints]
+    for i, parent, T in zip(writer.numbers, parents, robot.Ts, strict=True):
+        yield from writer.transform(f"T_{{{writer.index(i, parent)}}}", T)
+    if any(parents):
         yield paragraph("Their products, the frames expressed in frame $0$:")
-    for i in writer.numbers[1:]:
+    for i in (i for i, parent in zip(writer.numbers, parents, strict=True) if parent):
         yield from writer.transform(f"T_{{{writer.index(i, 0)}}}", robot.T_i0(i))
+    numbers = {str(i) for i in writer.numbers}
+    for frame in (x.name for x in writer.model.frames if x.name not in numbers):
+        yield paragraph(f"Frame {frame}, expressed in frame $0$:")
+        yield from writer.transform("T", robot.T_i0(frame))
 
 
 def _jacobian(writer: Writer) -> Iterator[Block]:

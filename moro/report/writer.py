@@ -5,25 +5,28 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import sympy as sp
 
+from moro.collect import Collector
 from moro.equations import Equation, entries, rows
 from moro.markup import markup
+from moro.mechanics import Mechanics
 from moro.report.page import Block, Displayed, Equations, Paragraph, Tabular
+from moro.source import Source
 from moro.typeset import Box, Formula, matrix, scripts, width
-
-if TYPE_CHECKING:
-    from moro.robot import Robot
 
 
 class Writer:
-    """Writes quantities of ``robot`` for a page that is ``page`` em wide."""
+    """Writes quantities of ``robot``, made of ``source``, for a page that is ``page`` em wide."""
 
-    def __init__(self, robot: Robot, page: float):
+    def __init__(self, robot: Mechanics, source: Source, collector: Collector, page: float):
         self.robot = robot
-        self.notation = robot._notation
+        self.source = source
+        self.collector = collector
+        self.model = source.model()
+        self.notation = source.notation
         #: joints or links, from 1
         self.numbers = range(1, robot.dof + 1)
         self._page = page

@@ -13,8 +13,8 @@ import yaml
 from sympy import Integer, Matrix, Rational, pi
 
 import moro.io
-from moro import abc
-from moro.io import load, packaged, read
+from moro import abc, load
+from moro.io import packaged, read
 
 REFERENCE = Path(__file__).parent.parent / "reference"
 

@@ -12,7 +12,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from moro.io import Problem, RobotFileError, RobotFileWarning, load, read
+from moro import load
+from moro.io import Problem, RobotFileError, RobotFileWarning, read
 from moro.io.document import MAX_SIZE
 
 #: a good file, whose lines the tests below change one at a time

@@ -6,9 +6,9 @@ import warnings
 
 import pytest
 
-from moro import Robot
+from moro import Robot, load
 from moro.abc import q1, q2
-from moro.io import RobotFileWarning, load, packaged
+from moro.io import RobotFileWarning, packaged
 
 LINK = {
     "joint": "revolute",

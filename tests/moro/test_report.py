@@ -10,7 +10,7 @@ from robots import planar, symbolic, symbolic_puma560
 import moro as mr
 from moro.abc import alpha1, d1, g, joint_variable, l1, q1, q2
 from moro.equations import Equation, rows
-from moro.report import report, sections
+from moro.report import sections
 from moro.report.page import (
     PAGE_WIDTH,
     Displayed,
@@ -23,6 +23,11 @@ from moro.report.page import (
 )
 from moro.report.writer import Writer
 from moro.typeset import latex, text, width
+
+
+def writer(robot, page):
+    return Writer(robot, robot._source, robot._collector, page)
+
 
 SECTIONS = [
     "The arm",
@@ -89,7 +94,7 @@ def environments(tex):
 
 
 def blocks(robot, page):
-    return [block for section in sections(robot, page) for block in section.blocks]
+    return [block for section in sections(writer(robot, page)) for block in section.blocks]
 
 
 @pytest.mark.parametrize("kind", ["tex", "html"])
@@ -146,7 +151,7 @@ def test_html_is_well_formed_and_needs_nothing_else(arm):
 def test_names_are_defined_once_and_before_they_are_used(arm):
     defined, used = [], set()
     names = re.compile(r"(?:k|\\gamma )_\{\d+\}")
-    for section in sections(arm, PAGE_WIDTH["tex"])[4:]:
+    for section in sections(writer(arm, PAGE_WIDTH["tex"]))[4:]:
         for block in section.blocks:
             for equation in block.equations if isinstance(block, Equations) else ():
                 found = set(names.findall(latex(equation.right)))
@@ -158,7 +163,9 @@ def test_names_are_defined_once_and_before_they_are_used(arm):
 
 
 def test_christoffel_symbols_are_defined_before_they_are_used():
-    (section,) = (x for x in sections(symbolic_puma560(), 46.0) if x.title.startswith("Coriolis"))
+    (section,) = (
+        x for x in sections(writer(symbolic_puma560(), 46.0)) if x.title.startswith("Coriolis")
+    )
     symbols, entries = (x for x in section.blocks if isinstance(x, Equations))
     triple = re.compile(r"c_\{(\d\d\d)\}")
     defined = []
@@ -285,9 +292,9 @@ def test_wide_cells_of_a_table_stand_below_it():
 
 
 def test_tables_of_words_become_lists():
-    writer = Writer(planar(2), 20.0)
+    narrow = writer(planar(2), 20.0)
     lines = [[text(str(i))] for i in (1, 2)]
-    found = list(writer.table(["i", [text("words")]], [[x, [text("long" * 20)]] for x in lines]))
+    found = list(narrow.table(["i", [text("words")]], [[x, [text("long" * 20)]] for x in lines]))
     assert [type(x) for x in found] == [Paragraph, Equations] * 2
 
 
@@ -315,7 +322,7 @@ def _after(found, words, count):
 
 
 def test_report_is_a_function_of_the_arm():
-    assert report(mixed(), "tex") == report(mixed(), "tex")
+    assert mixed().report("tex") == mixed().report("tex")
 
 
 def test_blocks_on_a_page():
