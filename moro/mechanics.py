@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Sequence
+from copy import copy
 from typing import Any
 
 import sympy as sp
@@ -32,6 +33,8 @@ from moro.standard_parameters import Standard
 from moro.trig import Trig, TrigRing
 
 _BASE = Frame("0", -1, Placement())
+#: what is forgotten
+_DERIVED = ("_made", "_closed_form", "_display", "_results")
 
 
 class Mechanics:
@@ -43,6 +46,14 @@ class Mechanics:
 
     def __init__(self, source: Source):
         self._source = source
+        self._forget()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {k: x for k, x in self.__dict__.items() if k not in _DERIVED}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Hold a source of its own; copies derive anew what they are asked for."""
+        self.__dict__.update(state, _source=copy(state["_source"]))
         self._forget()
 
     # -- joints -----------------------------------------------------------------------------------
@@ -562,6 +573,6 @@ class Mechanics:
             joints = Frame(str(i), i - 1, Placement())
             return named.get(str(i), joints) if i else _BASE
         if i not in named:
-            known = ", ".join(named) or "none"
-            raise ValueError(f"no frame is called {i}, but {known}{checks.suggestion(i, named)}")
+            near = checks.suggestion(i, named)
+            raise ValueError(f"no frame is called {i}; frames are {', '.join(named) or 0}{near}")
         return named[i]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -44,7 +43,7 @@ class _Given(Generic[_T]):
             return self
         if self._name in QUANTITIES:
             return robot._source.given(self._name)
-        if not hasattr(robot._source, self._name):
+        if not hasattr(type(robot._source), self._name):
             raise AttributeError(
                 f"{robot.name} has no {self._name}: that is of DH rows, and it is made of a Model"
             )
@@ -180,12 +179,6 @@ class Robot(Mechanics):
         if path is not None:
             Path(path).write_text(page, encoding="utf-8")
         return Page(page) if kind == "html" else page
-
-    def __copy__(self: _Self) -> _Self:
-        robot = type(self).__new__(type(self))
-        robot.__dict__.update(self.__dict__, _source=copy.copy(self._source))
-        robot._forget()
-        return robot
 
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and not hasattr(type(self), name):

@@ -22,13 +22,11 @@ def modules():
 
 
 def imports(module, path):
-    """Modules of the project that a module imports when it is imported itself."""
+    """Modules of the project that a module imports, also inside functions and for types."""
     known = {name for name, _ in modules()}
     package = module if path.name == "__init__.py" else module.rpartition(".")[0]
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    # of a package that imports its names when they are asked for, type checkers see them all
-    lazy = path.name == "__init__.py" and "__getattr__" in ast.dump(tree)
-    for node in ast.walk(tree) if lazy else top_level(tree):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -43,15 +41,16 @@ def imports(module, path):
         yield from (name for name in names if name in known)
 
 
-def top_level(tree):
-    """Statements that run on import, but for those that only type checkers see."""
-    for node in tree.body:
-        yield node
-        if isinstance(node, ast.If) and "TYPE_CHECKING" not in ast.dump(node.test):
-            yield from node.body
-
-
 GRAPH = {module: set(imports(module, path)) - {module} for module, path in modules()}
+
+
+def reached(module, graph=GRAPH):
+    """All that a module imports, and what that imports."""
+    found, new = set(), {module}
+    while new:
+        found |= new
+        new = {name for m in new for name in graph[m]} - found
+    return found
 
 
 def test_moro_never_imports_moro_codegen():
@@ -75,11 +74,26 @@ def test_the_ground_floor_stands_on_nothing(module):
     "module", ["moro.closed_form", "moro.closed_form.geometry", "moro.display"]
 )
 def test_the_symbolic_route_never_uses_the_recursive_one(module):
-    reached, new = set(), {module}
-    while new:
-        reached |= new
-        new = {name for m in new for name in GRAPH[m]} - reached
-    assert not {name for name in reached if name.startswith("moro.algorithms")}
+    assert not {name for name in reached(module) if name.startswith("moro.algorithms")}
+
+
+@pytest.mark.parametrize("module", ["moro.mechanics", "moro.io", "moro.report", "moro.source"])
+def test_what_the_face_is_made_of_does_not_know_it(module):
+    assert "moro.robot" not in reached(module)
+
+
+def test_what_reads_the_model_knows_no_rows():
+    assert not {"moro.description", "moro.arm", "moro.from_dh"} & reached("moro.mechanics")
+
+
+def test_imports_anywhere_in_a_file_are_seen(tmp_path):
+    path = tmp_path / "some.py"
+    path.write_text(
+        "from typing import TYPE_CHECKING\n"
+        "if TYPE_CHECKING:\n    from moro.robot import Robot\n"
+        "def f():\n    from .model import Model\n    import moro.trig\n"
+    )
+    assert {*imports("moro.some", path)} == {"moro.robot", "moro.model", "moro.trig"}
 
 
 def test_there_are_no_circles():

@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import warnings
-from typing import TYPE_CHECKING
 
 import click
 
-from moro import load
+import moro
 from moro.io import locate
 
-if TYPE_CHECKING:
-    from moro import Robot
 
-
-def read(source: str) -> tuple[Robot, dict[str, str]]:
+def read(source: str) -> tuple[moro.Robot, dict[str, str]]:
     """Return the robot, and the name and hash of its file; warnings go to standard error."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        robot = load(source)
+        robot = moro.load(source)
     for warning in caught:
         click.echo(f"moro-codegen: warning: {warning.message}", err=True)
     if robot.masses is None:
