@@ -130,7 +130,8 @@ class Mechanics:
 
     def J_point(self, point: Any, i: int | str) -> sp.Matrix:
         """Geometric Jacobian of a point of link i, given in frame i (6 x n, linear rows first)."""
-        frame = self._frame(i if isinstance(i, str) else self._link(i) + 1)
+        named = isinstance(i, str) and not i.isdigit()
+        frame = self._frame(i if named else self._link(i) + 1)
         return self._jacobian(frame, checks.vector(point, "point", self.qs))
 
     def J_cm_i(self, i: int) -> sp.Matrix:
@@ -563,12 +564,12 @@ class Mechanics:
     def _joint(self, i: int) -> int:
         return checks.index(i, 1, self.dof, "joint") - 1
 
-    def _link(self, i: int) -> int:
+    def _link(self, i: Any) -> int:
         return checks.index(i, 1, self.dof, "link") - 1
 
     def _frame(self, i: int | str) -> Frame:
         named = {frame.name: frame for frame in self._model.frames}
-        if not isinstance(i, str):
+        if not isinstance(i, str) or i.isdigit():  # numbers are no names
             i = checks.index(i, 0, self.dof, "frame")
             joints = Frame(str(i), i - 1, Placement())
             return named.get(str(i), joints) if i else _BASE
