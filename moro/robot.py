@@ -105,21 +105,18 @@ class Robot(Mechanics):
         """
         from moro.io import description  # which asks for more than SymPy
 
-        return cls._made_of(description(source))
+        return cls.of(description(source))
 
     @classmethod
-    def of(cls: type[_Self], model: Model) -> _Self:
+    def of(cls: type[_Self], model: Model | Source) -> _Self:
         """Return the robot that is a ``Model``, a tree say, in exact values.
 
         It has no rows: its masses and all else are set in the model. Frame i is the model's frame
         called i, or else that of joint i; others are known by their names, ``robot.T_i0("hand")``.
+        What readers of files return is taken too.
         """
-        return cls._made_of(HandMade(model))
-
-    @classmethod
-    def _made_of(cls: type[_Self], source: Source) -> _Self:
         robot = cls.__new__(cls)
-        Mechanics.__init__(robot, source)
+        Mechanics.__init__(robot, model if isinstance(model, Source) else HandMade(model))
         return robot
 
     # -- what is given ----------------------------------------------------------------------------
@@ -154,7 +151,7 @@ class Robot(Mechanics):
         ``values`` maps symbols, or their names, to numbers or expressions. ValueError for a symbol
         that the model does not hold.
         """
-        return self._made_of(self._source.with_parameters(values))
+        return self.of(self._source.with_parameters(values))
 
     def model_summary(self) -> Table:
         """Return what is given, what was assumed by default, and what is not set."""

@@ -8,14 +8,15 @@ import warnings
 import click
 
 import moro
-from moro.io import locate
+from moro.io import description, locate
 
 
 def read(source: str) -> tuple[moro.Robot, dict[str, str]]:
     """Return the robot, and the name and hash of its file; warnings go to standard error."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        robot = moro.load(source)
+        arm = description(source)  # refuses without SymPy, which Robot asks for
+        robot = moro.Robot.of(arm)
     for warning in caught:
         click.echo(f"moro-codegen: warning: {warning.message}", err=True)
     if robot.masses is None:
