@@ -17,13 +17,13 @@ import numpy as np
 
 import moro
 from benchmarks.charts import draw_accuracy
-from moro.io import packaged
+from moro.formats.loading import packaged
 from moro_codegen import build, compile
-from moro_codegen.accuracy import sine_errors, tau_errors
-from moro_codegen.arguments import Argument
-from moro_codegen.functions import Function, System
-from moro_codegen.graph import Graph
+from moro_codegen.functions.arguments import Argument
+from moro_codegen.functions.catalogue import Function, System
+from moro_codegen.graph.nodes import Graph
 from moro_codegen.program import Program, routine
+from moro_codegen.proof.accuracy import sine_errors, tau_errors
 from moro_codegen.signature import real
 
 RESULTS = Path(__file__).parent / "results"

@@ -15,14 +15,14 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from moro_codegen.backends.toolchain import ToolchainError
-    from moro_codegen.expressions import UserFunction as Function
-    from moro_codegen.functions import KNOWN as FUNCTIONS
+    from moro_codegen.functions.catalogue import KNOWN as FUNCTIONS
+    from moro_codegen.functions.own import UserFunction as Function
+    from moro_codegen.functions.regressor import Regressor
     from moro_codegen.kernel.kernel import Kernel
     from moro_codegen.lambdified import lambdify
     from moro_codegen.pipeline import build, compile
     from moro_codegen.program import Program, generate
-    from moro_codegen.regressor import Regressor
-    from moro_codegen.verification import Verification, verify
+    from moro_codegen.proof.verification import Verification, verify
 
 # sees to it that `import moro` finds the moro that belongs here
 from moro_codegen import installation as installation
@@ -44,18 +44,18 @@ __all__ = [
 
 #: where names are, imported when they are first asked for: help needs neither SymPy nor NumPy
 _HOMES = {
-    "FUNCTIONS": "moro_codegen.functions:KNOWN",
-    "Function": "moro_codegen.expressions:UserFunction",
+    "FUNCTIONS": "moro_codegen.functions.catalogue:KNOWN",
+    "Function": "moro_codegen.functions.own:UserFunction",
     "Kernel": "moro_codegen.kernel.kernel:Kernel",
     "Program": "moro_codegen.program:Program",
-    "Regressor": "moro_codegen.regressor:Regressor",
+    "Regressor": "moro_codegen.functions.regressor:Regressor",
     "ToolchainError": "moro_codegen.backends.toolchain:ToolchainError",
-    "Verification": "moro_codegen.verification:Verification",
+    "Verification": "moro_codegen.proof.verification:Verification",
     "build": "moro_codegen.pipeline:build",
     "compile": "moro_codegen.pipeline:compile",
     "generate": "moro_codegen.program:generate",
     "lambdify": "moro_codegen.lambdified:lambdify",
-    "verify": "moro_codegen.verification:verify",
+    "verify": "moro_codegen.proof.verification:verify",
 }
 
 if not TYPE_CHECKING:  # which knows the names above, and finds others wrong

@@ -14,7 +14,7 @@ from moro import Robot
 from moro.abc import t
 from moro_codegen.kernel.kernel import Kernel
 from moro_codegen.progress import tell
-from moro_codegen.verification import for_kernel, parameter_values
+from moro_codegen.proof.verification import for_kernel, parameter_values
 
 #: samples of a batch
 BATCH = 4096

@@ -15,8 +15,8 @@ from moro_codegen.backends.floats import emit as emit_floats
 from moro_codegen.backends.numpy import functions as emit_numpy
 from moro_codegen.calls import Calls
 from moro_codegen.emit.describe import docstring
-from moro_codegen.expressions import Formula, Scope, own_defaults, results_of
-from moro_codegen.graph import Graph
+from moro_codegen.functions.own import Formula, Scope, own_defaults, results_of
+from moro_codegen.graph.nodes import Graph
 from moro_codegen.program import arranged, assembled, parameter_nodes
 
 NAME = "lambdified"

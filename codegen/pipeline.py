@@ -27,11 +27,11 @@ from moro.robot import Robot
 from moro_codegen import backends
 from moro_codegen.backends import Backend
 from moro_codegen.backends.toolchain import FALLBACK, Compiler, ProcessorError, ToolchainError
+from moro_codegen.functions.requested import Request
 from moro_codegen.kernel import store
 from moro_codegen.kernel.kernel import Kernel
 from moro_codegen.program import Program, generate
 from moro_codegen.progress import shown, tell
-from moro_codegen.requested import Request
 
 #: what every C source defines besides its functions, after the robot's name
 SYMBOLS = ("fault", "key")

@@ -9,17 +9,17 @@ from typing import Any
 
 import sympy as sp
 
-from moro.checks import distinct_names
+from moro.checks.values import distinct_names
 from moro.model import Model, as_model
 from moro.robot import Robot
-from moro_codegen.arguments import Argument
-from moro_codegen.convert import Converter
-from moro_codegen.functions import Function, System, own_parameters
-from moro_codegen.graph import Graph, Node, count, parameters_of, replaced, schedule
+from moro_codegen.functions.arguments import Argument
+from moro_codegen.functions.catalogue import Function, System, own_parameters
+from moro_codegen.functions.requested import Request, requested
+from moro_codegen.graph.from_sympy import Converter
+from moro_codegen.graph.nodes import Graph, Node, count, parameters_of, replaced, schedule
 from moro_codegen.passes import PASSES, Pass
 from moro_codegen.passes.factor import factored
 from moro_codegen.progress import tell
-from moro_codegen.requested import Request, requested
 from moro_codegen.signature import (
     DTYPES,
     Parameter,

@@ -10,8 +10,8 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from moro_codegen.arguments import Argument
 from moro_codegen.calls import Calls, Operand, parameters_operand
+from moro_codegen.functions.arguments import Argument
 
 #: what kernels compute with, as C calls it
 Real: TypeAlias = Literal["double", "float"]

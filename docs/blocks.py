@@ -23,8 +23,8 @@ from typing import Any
 from benchmarks.figures import faster_peers, figures
 from moro import load
 from moro_codegen import FUNCTIONS
-from moro_codegen.arguments import Argument
 from moro_codegen.backends.toolchain import find_compiler
+from moro_codegen.functions.arguments import Argument
 from moro_codegen.program import generate
 
 ROOT = Path(__file__).resolve().parent.parent

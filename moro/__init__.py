@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from moro import abc as abc
-    from moro.collected import Collected
     from moro.model import Body, Joint, Model, Placement
+    from moro.printing.collected import Collected
+    from moro.printing.tables import Table
     from moro.robot import Robot
-    from moro.tables import Table
 
     load = Robot.load
 
@@ -37,12 +37,12 @@ __all__ = [
 #: where names are, imported when they are first asked for: reading a file needs no SymPy
 _HOMES = {
     "Body": "moro.model:Body",
-    "Collected": "moro.collected:Collected",
+    "Collected": "moro.printing.collected:Collected",
     "Joint": "moro.model:Joint",
     "Model": "moro.model:Model",
     "Placement": "moro.model:Placement",
     "Robot": "moro.robot:Robot",
-    "Table": "moro.tables:Table",
+    "Table": "moro.printing.tables:Table",
     "abc": "moro.abc",
     "load": "moro.robot:Robot.load",
 }

@@ -9,28 +9,28 @@ from typing import Any
 
 import sympy as sp
 
-from moro import checks
 from moro.abc import t
-from moro.base_parameters import (
+from moro.checks import values as checks
+from moro.checks.callers import outside
+from moro.closed_form import ClosedForm
+from moro.formats.hand_made import central
+from moro.formats.source import Source
+from moro.identification.base_parameters import (
     BaseParameters,
     base_parameters,
     friction_coefficients,
     inertial_symbols,
 )
-from moro.callers import outside
-from moro.closed_form import ClosedForm
-from moro.collect import Collector
-from moro.display import Display
-from moro.hand_made import central
-from moro.matrix_form import matrix_form
+from moro.identification.regressor import Regressor, regressor_columns
+from moro.identification.standard_parameters import Standard
 from moro.model import Central, Frame, Model, Placement
-from moro.notation import Notation
-from moro.notebook import Equations
-from moro.regressor import Regressor, regressor_columns
-from moro.source import Source
+from moro.printing.collect import Collector
+from moro.printing.display import Display
+from moro.printing.matrix_form import matrix_form
+from moro.printing.notation import Notation
+from moro.printing.notebook import Equations
+from moro.scalars.trig import Trig, TrigRing
 from moro.spatial.vectors import Vector, add, product, scaled, times, transpose
-from moro.standard_parameters import Standard
-from moro.trig import Trig, TrigRing
 
 _BASE = Frame("0", -1, Placement())
 #: what is forgotten
@@ -322,7 +322,7 @@ class Mechanics:
         the model. XXR_2 is XX_2 with others that act alike. Rotor inertias (IA) and friction (FV
         viscous; FC and FD Coulomb, half the sum of both directions and half the difference) are
         parameters too, if they are set. No smaller set gives the same torques; theory and sources
-        are in ``moro.base_parameters``.
+        are in ``moro.identification.base_parameters``.
 
         Geometry and gravity decide which there are. A parameter whose value is zero is left out
         where zero is an assumption of the model (of a link given in symbols, of friction and

@@ -9,16 +9,16 @@ from typing import Any, Generic, Literal, TypeVar, overload
 
 import sympy as sp
 
-from moro import checks
-from moro.arm import Arm
-from moro.description import Description
-from moro.hand_made import HandMade
-from moro.meant import elsewhere
+from moro.checks import values as checks
+from moro.checks.meant import elsewhere
+from moro.formats.dh.arm import Arm
+from moro.formats.dh.description import Description
+from moro.formats.hand_made import HandMade
+from moro.formats.source import QUANTITIES, Source
 from moro.mechanics import Mechanics
 from moro.model import Model
-from moro.notebook import Page
-from moro.source import QUANTITIES, Source
-from moro.tables import Table
+from moro.printing.notebook import Page
+from moro.printing.tables import Table
 
 _T = TypeVar("_T")
 _Self = TypeVar("_Self", bound="Robot")
@@ -103,7 +103,7 @@ class Robot(Mechanics):
         Raises ``moro.io.RobotFileError``, a ValueError, that lists all that is wrong with the file,
         with lines and fields. Warns (RobotFileWarning) of what is legal but probably not meant.
         """
-        from moro.io import description  # which asks for more than SymPy
+        from moro.formats.loading import description  # which asks for more than SymPy
 
         return cls.of(description(source))
 

@@ -28,8 +28,8 @@ from hypothesis import strategies as st
 import moro_codegen as mc
 from moro import Robot, load
 from moro.abc import q1
-from moro.io import RobotFileError, packaged
-from moro.io.expressions import FUNCTIONS, ExpressionError, parse
+from moro.formats.loading import RobotFileError, packaged
+from moro.formats.yaml.expressions import FUNCTIONS, ExpressionError, parse
 from moro_codegen.emit import statements
 from moro_codegen.pipeline import sources
 from moro_codegen.program import generate

@@ -11,7 +11,7 @@ from benchmarks.arms import Arm
 from benchmarks.native import Loop
 from benchmarks.tasks import Call, Task
 from moro_codegen.benchmark import LAMBDIFY_TERMS, lambdify_tau
-from moro_codegen.verification import SymbolicRoute
+from moro_codegen.proof.verification import SymbolicRoute
 
 NAME = "SymPy lambdify"
 

@@ -32,7 +32,7 @@ from moro_codegen.emit.statements import (
 from moro_codegen.emit.words import MACROS, TYPES
 
 if TYPE_CHECKING:
-    from moro_codegen.arguments import Argument
+    from moro_codegen.functions.arguments import Argument
     from moro_codegen.program import Program, Routine
     from moro_codegen.signature import Signature
 

@@ -22,7 +22,7 @@ from moro_codegen.emit.describe import argument_lines, conventions, docstring
 from moro_codegen.emit.render import render
 
 if TYPE_CHECKING:
-    from moro_codegen.arguments import Argument
+    from moro_codegen.functions.arguments import Argument
     from moro_codegen.program import Program, Routine
 
 #: for the processor at hand, as kernels in C are built; no -std, so that products and sums fuse

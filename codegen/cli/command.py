@@ -10,8 +10,8 @@ from typing import Any
 
 import click
 
-from moro.io import packaged
-from moro.meant import hint
+from moro.checks.meant import hint
+from moro.formats.loading import packaged
 from moro_codegen import FUNCTIONS, registry
 from moro_codegen.backends.toolchain import ToolchainError
 from moro_codegen.cli.given import read

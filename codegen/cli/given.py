@@ -8,7 +8,7 @@ import warnings
 import click
 
 import moro
-from moro.io import description, locate
+from moro.formats.loading import description, locate
 
 
 def read(source: str) -> tuple[moro.Robot, dict[str, str]]:

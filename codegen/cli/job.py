@@ -16,7 +16,7 @@ from moro_codegen.kernel.kernel import Kernel
 from moro_codegen.pipeline import built, compile
 from moro_codegen.program import generate
 from moro_codegen.progress import shown, tell
-from moro_codegen.verification import SymbolicRoute, Verification, verify
+from moro_codegen.proof.verification import SymbolicRoute, Verification, verify
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from moro_codegen.emit.escape import printable
 
 if TYPE_CHECKING:
-    from moro_codegen.arguments import Argument
+    from moro_codegen.functions.arguments import Argument
     from moro_codegen.program import Program, Routine
     from moro_codegen.signature import Parameter, Signature
 

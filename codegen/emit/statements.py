@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from moro_codegen.arguments import Argument
-    from moro_codegen.graph import Node
+    from moro_codegen.functions.arguments import Argument
+    from moro_codegen.graph.nodes import Node
     from moro_codegen.program import Program, Routine
 
 #: an expression longer than this gets a name of its own

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from moro_codegen.graph import Graph, Node, schedule
+from moro_codegen.graph.nodes import Graph, Node, schedule
 
 #: a product, as its factors, with its sign
 Term = tuple[int, list[Node]]

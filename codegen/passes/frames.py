@@ -22,7 +22,7 @@ from moro.algorithms.posture import Link, Posture
 from moro.spatial.moments import Moments
 from moro.spatial.transform import about_z
 from moro.spatial.vectors import Scalar, add, scaled, transpose
-from moro_codegen.graph import Constant, constant_value
+from moro_codegen.graph.nodes import Constant, constant_value
 
 #: below this sine squared of the angle between two axes, their common normal is too far away
 NEARLY_PARALLEL = 1e-3

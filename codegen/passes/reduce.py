@@ -23,7 +23,7 @@ from typing import NamedTuple
 from moro.algorithms.posture import Link, Posture
 from moro.spatial.moments import Moments
 from moro.spatial.vectors import Scalar, Vector, add, times
-from moro_codegen.graph import Constant, constant_value
+from moro_codegen.graph.nodes import Constant, constant_value
 
 #: masses left with outer links stay below this multiple of the mass of the arm, for accuracy
 HEAVY = 10

@@ -1,20 +1,20 @@
 """The derivation of an arm's equations of motion, written out: ``robot.report("tex" | "html")``.
 
 Sections: the arm as given, frames, Jacobians, energies, M, C and G, equations of motion. Entries
-that are long are written in named constants (``moro.collect``), long sums are broken into lines,
-and what would still be longer than a reader wants is given by its formula.
+that are long are written in named constants (``moro.printing.collect``), long sums are broken into
+lines, and what would still be longer than a reader wants is given by its formula.
 """
 
 from __future__ import annotations
 
-from moro.collect import Collector
+from moro.formats.source import Source
 from moro.mechanics import Mechanics
+from moro.printing.collect import Collector
 from moro.report.dynamics import dynamics
 from moro.report.given import given
 from moro.report.kinematics import kinematics
 from moro.report.page import PAGE_WIDTH, Format, Section, render
 from moro.report.writer import Writer
-from moro.source import Source
 
 
 def report(robot: Mechanics, source: Source, collector: Collector, target: Format) -> str:

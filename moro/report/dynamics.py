@@ -9,11 +9,11 @@ from typing import Any
 import sympy as sp
 
 from moro.abc import t
-from moro.equations import Equation
-from moro.markup import markup
+from moro.printing.equations import Equation
+from moro.printing.markup import markup
+from moro.printing.typeset import PLUS, Formula
 from moro.report.page import Block, Equations, Paragraph, Section, paragraph
 from moro.report.writer import Writer
-from moro.typeset import PLUS, Formula
 
 #: an entry of M or G with more operations than this makes the report name constants
 _LONG_ENTRY = 40

@@ -7,12 +7,12 @@ from typing import Any
 
 import sympy as sp
 
-from moro.description import Description
-from moro.markup import markup
-from moro.notation import Notation
+from moro.formats.dh.description import Description
+from moro.printing.markup import markup
+from moro.printing.notation import Notation
+from moro.printing.typeset import Formula, matrix, text
 from moro.report.page import Block, Paragraph, Section, paragraph
 from moro.report.writer import Writer
-from moro.typeset import Formula, matrix, text
 
 _PAIRS = ("xx", "yy", "zz", "xy", "xz", "yz")
 

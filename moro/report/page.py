@@ -11,9 +11,9 @@ from typing import ClassVar, Literal, TypeAlias
 import jinja2
 from markupsafe import Markup
 
-from moro.equations import Equation, html_table, latex_rows, math, pages
-from moro.markup import markup
-from moro.typeset import Formula, escaped_latex, latex, width
+from moro.printing.equations import Equation, html_table, latex_rows, math, pages
+from moro.printing.markup import markup
+from moro.printing.typeset import Formula, escaped_latex, latex, width
 
 Format: TypeAlias = Literal["tex", "html"]
 #: room for a line [em]: A4 with margins of 20 mm in 10 pt, a browser window

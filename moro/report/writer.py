@@ -9,13 +9,13 @@ from typing import Any
 
 import sympy as sp
 
-from moro.collect import Collector
-from moro.equations import Equation, entries, rows
-from moro.markup import markup
+from moro.formats.source import Source
 from moro.mechanics import Mechanics
+from moro.printing.collect import Collector
+from moro.printing.equations import Equation, entries, rows
+from moro.printing.markup import markup
+from moro.printing.typeset import Box, Formula, matrix, scripts, width
 from moro.report.page import Block, Displayed, Equations, Paragraph, Tabular
-from moro.source import Source
-from moro.typeset import Box, Formula, matrix, scripts, width
 
 
 class Writer:

@@ -11,7 +11,7 @@ from arms import NAMES, reference_model, reference_states
 import moro as mr
 import moro_codegen as mc
 from moro.abc import q1, q2
-from moro_codegen.accuracy import exact_tau, sine_errors, tau_errors
+from moro_codegen.proof.accuracy import exact_tau, sine_errors, tau_errors
 
 
 @pytest.mark.parametrize("name", NAMES)

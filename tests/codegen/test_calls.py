@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from programs import EVERYTHING, PARAMETERS, program
 
-from moro_codegen.arguments import Argument
 from moro_codegen.calls import Calls, Operand
-from moro_codegen.functions import Function
+from moro_codegen.functions.arguments import Argument
+from moro_codegen.functions.catalogue import Function
 from moro_codegen.pipeline import build
 
 SQUARES = Function(

@@ -7,7 +7,7 @@ from programs import everything_program
 import moro as mr
 import moro_codegen as mc
 from moro.abc import l1, l2, q1, q2
-from moro.meanings import meanings
+from moro.formats.dh.meanings import meanings
 from moro_codegen.backends.c_text import emit as emit_c
 from moro_codegen.backends.numpy import emit as emit_numpy
 from moro_codegen.program import generate

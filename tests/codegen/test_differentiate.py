@@ -11,10 +11,10 @@ from robots import random_robot
 
 import moro as mr
 import moro_codegen as mc
-from moro_codegen.convert import Converter
-from moro_codegen.differentiate import jacobian
-from moro_codegen.functions import FUNCTIONS, System
-from moro_codegen.graph import Graph, count, schedule
+from moro_codegen.functions.catalogue import FUNCTIONS, System
+from moro_codegen.graph.derivatives import jacobian
+from moro_codegen.graph.from_sympy import Converter
+from moro_codegen.graph.nodes import Graph, count, schedule
 from moro_codegen.program import generate
 
 #: no inertia resists joint 6 of the UR5 as it is published: it has no forward dynamics

@@ -10,11 +10,11 @@ import pytest
 from programs import EVERYTHING, PARAMETERS, everything_program, program, vector
 
 import moro_codegen as mc
-from moro_codegen.arguments import Argument
 from moro_codegen.backends import extension
 from moro_codegen.backends.cython import emit
 from moro_codegen.backends.toolchain import ToolchainError, find_compiler
-from moro_codegen.functions import Function
+from moro_codegen.functions.arguments import Argument
+from moro_codegen.functions.catalogue import Function
 from moro_codegen.pipeline import build, sources
 
 MATRIX = Function(

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from programs import program, vector
 
-from moro_codegen.functions import Function
+from moro_codegen.functions.catalogue import Function
 from moro_codegen.pipeline import build
 
 COUNTS = range(1, 10)

@@ -17,13 +17,13 @@ from programs import vector
 import moro as mr
 import moro_codegen as mc
 from moro.abc import q1
-from moro_codegen.arguments import Argument
 from moro_codegen.backends.c_text import emit as emit_c
 from moro_codegen.backends.cython import emit as emit_cython
 from moro_codegen.backends.numpy import emit as emit_numpy
 from moro_codegen.backends.toolchain import find_compiler
 from moro_codegen.emit.escape import c_comment, printable, python_docstring
-from moro_codegen.functions import Function
+from moro_codegen.functions.arguments import Argument
+from moro_codegen.functions.catalogue import Function
 from moro_codegen.pipeline import build
 
 STRIKE = "open('struck', 'w')"

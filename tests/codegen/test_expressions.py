@@ -7,8 +7,8 @@ import sympy as sp
 import moro as mr
 import moro_codegen as mc
 from moro.abc import l1, l2, q1, q2, q3, t
-from moro_codegen.expressions import UserFunction, results_of
-from moro_codegen.requested import requested
+from moro_codegen.functions.own import UserFunction, results_of
+from moro_codegen.functions.requested import requested
 
 QD1, QD2 = q1.diff(t), q2.diff(t)
 

@@ -14,7 +14,7 @@ import moro as mr
 import moro_codegen as mc
 from moro_codegen.backends.c_text import emit
 from moro_codegen.emit.statements import literal
-from moro_codegen.functions import Function
+from moro_codegen.functions.catalogue import Function
 from moro_codegen.pipeline import build
 from moro_codegen.program import generate
 

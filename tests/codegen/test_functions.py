@@ -31,9 +31,9 @@ from moro.algorithms.composite_rigid_body import joint_inertia
 from moro.algorithms.drives import drive_torques
 from moro.algorithms.factorization import factorized, solution
 from moro.algorithms.newton_euler import joint_torques
-from moro_codegen.convert import Converter
-from moro_codegen.functions import FUNCTIONS, System
-from moro_codegen.graph import Graph, count, schedule
+from moro_codegen.functions.catalogue import FUNCTIONS, System
+from moro_codegen.graph.from_sympy import Converter
+from moro_codegen.graph.nodes import Graph, count, schedule
 from moro_codegen.passes import equivalent_postures
 from moro_codegen.program import generate
 

@@ -8,8 +8,8 @@ import pytest
 import sympy as sp
 from exact import exact_values, rational
 
-from moro_codegen.convert import Converter
-from moro_codegen.graph import Graph, constant_value, count, fewest, schedule
+from moro_codegen.graph.from_sympy import Converter
+from moro_codegen.graph.nodes import Graph, constant_value, count, fewest, schedule
 from moro_codegen.passes.factor import factored
 
 

@@ -8,9 +8,9 @@ import moro
 import moro_codegen as mc
 from moro import Robot
 from moro.abc import q1, q2
-from moro.io import locate
+from moro.formats.loading import locate
+from moro_codegen.functions.requested import requested
 from moro_codegen.program import generate
-from moro_codegen.requested import requested
 
 m, mx, zz, payload, kp = sp.symbols("M1 MX1 ZZ1 payload Kp")
 GRAVITY = sp.Rational("9.81")

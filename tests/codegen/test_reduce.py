@@ -12,9 +12,9 @@ from recursion import inverse_dynamics
 
 from moro.algorithms.newton_euler import joint_torques
 from moro.model import REVOLUTE, Placement
-from moro_codegen.convert import Converter
-from moro_codegen.functions import System
-from moro_codegen.graph import Graph, constant_value
+from moro_codegen.functions.catalogue import System
+from moro_codegen.graph.from_sympy import Converter
+from moro_codegen.graph.nodes import Graph, constant_value
 from moro_codegen.passes import equivalent_postures
 from moro_codegen.passes.frames import (
     in_unit,

@@ -12,12 +12,12 @@ from robots import random_robot
 
 import moro as mr
 from moro.abc import t
-from moro_codegen.convert import Converter
-from moro_codegen.functions import System
-from moro_codegen.graph import Graph
+from moro_codegen.functions.catalogue import System
+from moro_codegen.functions.regressor import regressor
+from moro_codegen.graph.from_sympy import Converter
+from moro_codegen.graph.nodes import Graph
 from moro_codegen.pipeline import build
 from moro_codegen.program import generate, routine
-from moro_codegen.regressor import regressor
 
 
 def states(n, count=10):

@@ -14,7 +14,7 @@ from robots import random_robot
 
 import moro as mr
 import moro_codegen as mc
-from moro_codegen.verification import SymbolicRoute
+from moro_codegen.proof.verification import SymbolicRoute
 
 pytestmark = pytest.mark.sweep
 

@@ -11,7 +11,7 @@ from robots import random_robot
 import moro as mr
 import moro_codegen as mc
 from moro.abc import l1, l2, q1, q2, q3
-from moro_codegen.verification import CHECKS, TOLERANCE, TOLERANCES, SymbolicRoute
+from moro_codegen.proof.verification import CHECKS, TOLERANCE, TOLERANCES, SymbolicRoute
 
 
 @pytest.fixture(scope="module")

@@ -18,8 +18,8 @@ from robots import planar, random_robot, symbolic, symbolic_puma560, symbolic_se
 import moro as mr
 from moro.abc import g, joint_variable, l1, l2, lc1, lc2, m1, m2, q1, q2, symbol, t
 from moro.model import Body
-from moro.random_point import RandomPoint, dependences
-from moro.trig import TrigRing
+from moro.scalars.random_point import RandomPoint, dependences
+from moro.scalars.trig import TrigRing
 
 pi = sp.pi
 I1, I2 = sp.symbols("I_{z_1z_1} I_{z_2z_2}")

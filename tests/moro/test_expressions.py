@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sympy import Rational, pi, sqrt
 
-from moro.io.expressions import MAX_DEPTH, MAX_LENGTH, ExpressionError, parse
+from moro.formats.yaml.expressions import MAX_DEPTH, MAX_LENGTH, ExpressionError, parse
 
 a, b = sympy.symbols("a b")
 NAMES = {"a": a, "b": b}

@@ -12,7 +12,7 @@ from trees import planar_tree
 import moro as mr
 from moro import Robot
 from moro.abc import g, joint_variable, l1, m1, q1, q2, t
-from moro.io import packaged
+from moro.formats.loading import packaged
 from moro.model import (
     REVOLUTE,
     Body,

@@ -12,9 +12,9 @@ import sympy
 import yaml
 from sympy import Integer, Matrix, Rational, pi
 
-import moro.io
+import moro.formats.loading
 from moro import abc, load
-from moro.io import packaged, read
+from moro.formats.loading import packaged, read
 
 REFERENCE = Path(__file__).parent.parent / "reference"
 
@@ -202,7 +202,7 @@ def test_packaged_arm_says_what_its_yaml_says(name):
     """Against a plain YAML reader, whose floats print as the decimals of the file."""
     robot = load(name)
     assert robot.name == name
-    path = Path(moro.io.__file__).parent.parent / "robots" / f"{name}.yaml"
+    path = Path(moro.formats.loading.__file__).parent.parent / "robots" / f"{name}.yaml"
     data = yaml.safe_load(path.read_text())
     links = data["links"]
     assert robot.dof == len(links)
@@ -236,7 +236,7 @@ def _exact(value: object) -> sympy.Expr:
 
 
 def test_a_path_object_is_never_a_packaged_arm():
-    with pytest.raises(moro.io.RobotFileError, match="no such file"):
+    with pytest.raises(moro.formats.loading.RobotFileError, match="no such file"):
         load(Path("puma560"))
 
 

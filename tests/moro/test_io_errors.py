@@ -13,8 +13,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from moro import load
-from moro.io import Problem, RobotFileError, RobotFileWarning, read
-from moro.io.document import MAX_SIZE
+from moro.formats.loading import Problem, RobotFileError, RobotFileWarning, read
+from moro.formats.yaml.document import MAX_SIZE
 
 #: a good file, whose lines the tests below change one at a time
 ARM = """\

@@ -8,7 +8,7 @@ import pytest
 
 from moro import Robot, load
 from moro.abc import q1, q2
-from moro.io import RobotFileWarning, packaged
+from moro.formats.loading import RobotFileWarning, packaged
 
 LINK = {
     "joint": "revolute",

@@ -9,7 +9,7 @@ import moro as mr
 import moro_codegen as mc
 from moro import Robot
 from moro.abc import l1, l2, q1, q2
-from moro.meant import meant
+from moro.checks.meant import meant
 from moro_codegen import FUNCTIONS
 
 ROWS = "links:\n  - {joint: R, alpha: 0, d: 0, theta: 0, "

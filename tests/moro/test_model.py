@@ -14,7 +14,6 @@ from trees import planar_tree, sympified
 from moro import Model
 from moro.abc import joint_variable, symbol
 from moro.closed_form import ClosedForm, Geometry
-from moro.dual import DualRing
 from moro.model import (
     PRISMATIC,
     REVOLUTE,
@@ -26,7 +25,8 @@ from moro.model import (
     Shift,
     Turn,
 )
-from moro.trig import TrigRing
+from moro.scalars.dual import DualRing
+from moro.scalars.trig import TrigRing
 
 
 def matrix(R=((1, 0, 0), (0, 1, 0), (0, 0, 1)), p=(0, 0, 0)):

@@ -9,9 +9,9 @@ import sympy as sp
 from robots import planar
 
 from moro.abc import alpha1, l1, lc1, m1, q1, q2, q3, t
-from moro.markup import markup
-from moro.notation import Notation
-from moro.typeset import broken, latex, letter, mathml, matrix, text, width
+from moro.printing.markup import markup
+from moro.printing.notation import Notation
+from moro.printing.typeset import broken, latex, letter, mathml, matrix, text, width
 
 QS = [q1, q2, q3]
 qd1, qd2 = q1.diff(t), q2.diff(t)

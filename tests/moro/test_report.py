@@ -9,7 +9,8 @@ from robots import planar, symbolic, symbolic_puma560
 
 import moro as mr
 from moro.abc import alpha1, d1, g, joint_variable, l1, q1, q2
-from moro.equations import Equation, rows
+from moro.printing.equations import Equation, rows
+from moro.printing.typeset import latex, text, width
 from moro.report import sections
 from moro.report.page import (
     PAGE_WIDTH,
@@ -22,7 +23,6 @@ from moro.report.page import (
     render,
 )
 from moro.report.writer import Writer
-from moro.typeset import latex, text, width
 
 
 def writer(robot, page):

@@ -13,8 +13,8 @@ from robots import planar, random_robot, symbolic, symbolic_puma560
 import moro as mr
 from moro.abc import g, l1, lc1, lc2, m1, m2, q1, q2, t
 from moro.closed_form import ClosedForm
-from moro.dual import DualRing
-from moro.trig import TrigRing
+from moro.scalars.dual import DualRing
+from moro.scalars.trig import TrigRing
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 ARMS = ["two_link", "stanford_arm", "puma560", "ur5", "ur5e", "panda"]

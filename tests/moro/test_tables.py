@@ -7,7 +7,7 @@ import sympy as sp
 
 import moro as mr
 from moro.abc import l1, q1
-from moro.tables import Table
+from moro.printing.tables import Table
 
 
 @pytest.fixture

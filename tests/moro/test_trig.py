@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 
 from moro.abc import alpha1, l1, q1, q2, q3, q4
-from moro.trig import MAX_EXPONENT, TrigRing
+from moro.scalars.trig import MAX_EXPONENT, TrigRing
 
 VARIABLES = (q1, q2, q3, q4)
 

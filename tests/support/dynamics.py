@@ -8,8 +8,8 @@ from exact import exact_arm, exact_state, rational
 from recursion import inverse_dynamics
 
 from moro.closed_form import ClosedForm
-from moro.dual import DualRing
 from moro.model import Model
+from moro.scalars.dual import DualRing
 
 
 @dataclass

@@ -10,7 +10,7 @@ from fractions import Fraction
 import numpy as np
 
 from moro.model import PRISMATIC, REVOLUTE, Body, Frame, Joint, Model, Placement
-from moro_codegen.graph import schedule
+from moro_codegen.graph.nodes import schedule
 
 
 class Series:

@@ -5,7 +5,7 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 
-from moro_codegen.graph import schedule
+from moro_codegen.graph.nodes import schedule
 
 DIGITS = 60
 STEP = mpmath.mpf(10) ** -20

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from moro.model import REVOLUTE, Body, Joint, Model, Placement
-from moro_codegen.arguments import Argument
-from moro_codegen.functions import Function, System
-from moro_codegen.graph import Graph
+from moro_codegen.functions.arguments import Argument
+from moro_codegen.functions.catalogue import Function, System
+from moro_codegen.graph.nodes import Graph
 from moro_codegen.program import Program, routine
 from moro_codegen.signature import Parameter
 

@@ -1,0 +1,10 @@
+"""What can be generated.
+
+arguments   what functions take and give: names, shapes, units, frames
+catalogue   the functions of the dynamics
+own         functions of one's own, in SymPy
+regressor   the regressor in base parameters
+together    several functions in one call
+singular    arms without forward dynamics
+requested   what was asked for, brought to one form
+"""

@@ -1,0 +1,73 @@
+"""robot.yaml in, the description of an arm out. Nothing heavy is imported before it is called."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from moro.formats.yaml.errors import Problem, RobotFileError, RobotFileWarning, nearest
+
+if TYPE_CHECKING:
+    from moro.formats.dh.description import Description
+    from moro.formats.yaml.schema import RobotFile
+
+__all__ = [
+    "Problem",
+    "RobotFileError",
+    "RobotFileWarning",
+    "description",
+    "locate",
+    "packaged",
+    "read",
+]
+
+_ROBOTS = Path(__file__).parent.parent / "robots"
+
+
+def description(source: str | os.PathLike[str]) -> Description:
+    """Return the arm that a file describes: what ``moro.load`` makes a Robot of."""
+    file = read(source)
+    from moro.formats.yaml.build import build  # after what may refuse the file without SymPy
+
+    return build(file)
+
+
+def read(source: str | os.PathLike[str]) -> RobotFile:
+    """Return what the file that ``moro.load`` takes says, validated, in exact SymPy values."""
+    from moro.formats.yaml import reader
+
+    is_packaged = isinstance(source, str) and source in packaged()
+    return reader.read(locate(source), warn=not is_packaged)  # ours are known data, oddities too
+
+
+def locate(source: str | os.PathLike[str]) -> Path:
+    """Return the path of the file that ``moro.load`` would read."""
+    if isinstance(source, str) and source in packaged():
+        return _ROBOTS / f"{source}.yaml"
+    if isinstance(source, str) and _is_name(source):
+        arms = packaged()
+        message = (
+            f"neither a file nor a packaged arm{nearest(source, arms)}"
+            f" (packaged are {', '.join(arms)})"
+        )
+        raise RobotFileError(source, [Problem(None, "", message)])
+    try:
+        return Path(source)
+    except TypeError:
+        raise TypeError(
+            "load takes the path of a robot file or the name of a packaged arm, not"
+            f" {type(source).__name__}"
+        ) from None
+
+
+def packaged() -> tuple[str, ...]:
+    """Return the names of the arms that come with moro."""
+    return tuple(sorted(path.stem for path in _ROBOTS.glob("*.yaml")))
+
+
+def _is_name(source: str) -> bool:
+    """Whether ``source`` looks like the name of an arm, and is not that of a file."""
+    bare = re.fullmatch(r"[\w -]{0,100}", source) is not None
+    return bare and not Path(source).is_file()

@@ -1,0 +1,1 @@
+"""robot.yaml: read without evaluating anything, errors with file, line and field."""
