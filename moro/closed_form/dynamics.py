@@ -18,19 +18,19 @@ from typing import Any
 
 from moro.closed_form.geometry import Geometry
 from moro.model import Model
+from moro.scalars.ring import DifferentialRing
 from moro.spatial.vectors import Matrix, Scalar, Vector, add, cross, dot, scaled, times
 
 
 class ClosedForm:
-    """M, Christoffel symbols, C, G, energies and Euler-Lagrange equations of a model over a ring.
+    """M, Christoffel symbols, C, G, energies, Euler-Lagrange equations of a model over a ring."""
 
-    ``declare`` is False for a ring that knows the model's angles.
-    """
-
-    def __init__(self, model: Model, ring: Any, declare: bool = True):
+    def __init__(self, model: Model, ring: DifferentialRing):
         self.model = model
-        self.ring = ring
-        self.geometry = Geometry(model, ring, declare)
+        self.ring: Any = ring  # which of them, is known where results are used
+        self.geometry = Geometry(model, ring)
+        for group, before in self.geometry.angles:
+            ring.declare_angles(group, before)
         self.n = model.dof
         self.qs = model.qs
 

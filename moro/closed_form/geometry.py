@@ -20,6 +20,7 @@ from typing import Any, TypeAlias
 import sympy as sp
 
 from moro.model import Frame, Joint, Model, Rotation, Shift, Turn
+from moro.scalars.ring import Ring
 from moro.spatial.motion import Velocity
 from moro.spatial.vectors import (
     Matrix,
@@ -100,20 +101,15 @@ class _Place:
 
 
 class Geometry:
-    """The geometry of a model over the scalars of ``ring``.
+    """The geometry of a model over the scalars of ``ring``."""
 
-    The model's joints declare their angles to the ring, unless ``declare`` is False, for a ring
-    that knows them.
-    """
-
-    def __init__(self, model: Model, ring: Any, declare: bool = True):
+    def __init__(self, model: Model, ring: Ring):
         self.model = model
         self.ring = ring
         walk = _walk(model)
         self._places, self._ways, self._segments = walk.places, walk.ways, walk.segments
-        for group, before in walk.groups if declare else ():
-            if group:
-                ring.declare_angles(group, before)
+        #: by segment, what ``DifferentialRing.declare_angles`` takes
+        self.angles = [group for group in walk.groups if group[0]]
 
     # -- in frame 0 -------------------------------------------------------------------------------
 

@@ -21,6 +21,7 @@ import sympy as sp
 
 from moro.closed_form import Geometry
 from moro.model import Model
+from moro.scalars.ring import Ring
 from moro.scalars.trig import Trig, TrigRing
 from moro.spatial.moments import Moments
 from moro.spatial.vectors import Matrix, Scalar, Vector, cross, dot
@@ -64,9 +65,9 @@ class Energies:
         K = 1/2 w^T I w + h . (v x w) + 1/2 m v . v + 1/2 IA qd^2,    P = -m g . r - h . g.
     """
 
-    def __init__(self, model: Model, ring: Any, rates: Sequence[Scalar]):
+    def __init__(self, model: Model, ring: Ring, rates: Sequence[Scalar]):
         self.ring = ring
-        self._geometry = Geometry(model, ring, declare=False)
+        self._geometry = Geometry(model, ring)
         self._rates = rates
         self._velocities = self._geometry.velocities(rates)
         self._heights = self._geometry.along(vector(model.gravity, ring))
@@ -116,13 +117,13 @@ def parameters(moments: Moments) -> dict[str, Scalar]:
     return {**tensor, **{name: moments.h[j] for name, j in MOMENTS.items()}, "M": moments.m}
 
 
-def matrix(rows: Matrix, ring: TrigRing) -> Matrix:
+def matrix(rows: Matrix, ring: Ring) -> Matrix:
     """Return a matrix of SymPy values as scalars of the ring."""
     x, y, z = (vector(row, ring) for row in rows)
     return x, y, z
 
 
-def vector(components: Sequence[Any], ring: TrigRing) -> Vector:
+def vector(components: Sequence[Any], ring: Ring) -> Vector:
     """Return three SymPy values as scalars of the ring."""
     x, y, z = map(ring.convert, components)
     return x, y, z

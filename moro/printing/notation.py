@@ -1,8 +1,8 @@
 r"""The notation of the texts: ``sin(q_2(t) + q_3(t))*Derivative(q_1(t), t)`` as s_{23} \dot q_1.
 
 ``Notation`` makes formulas (``moro.printing.typeset``) of SymPy expressions. Terms and factors get
-the order of the texts: masses and lengths, then sines and cosines by joint, then velocities; accelerations
-before velocities before what depends on neither.
+the order of the texts: masses and lengths, then sines and cosines by joint, then velocities;
+accelerations before velocities before what depends on neither.
 """
 
 from __future__ import annotations

@@ -27,8 +27,9 @@ class Table:
     """Rows of values under headings. ``rows`` are tuples; iterating and indexing give them.
 
     Text stays text, anything else is mathematics, in the notation of ``moro.printing.notation``;
-    headings that are a single letter or the name of a Greek one are mathematics too. ``table[i, j]`` and
-    ``shape`` see the table as it is printed, with its headings as row 0: ``dh_table[1, 1]`` is a_1.
+    headings that are a single letter or the name of a Greek one are mathematics too. ``table[i,
+    j]`` and ``shape`` see the table as it is printed, with its headings as row 0: ``dh_table[1,
+    1]`` is a_1.
     ``"words" in table`` looks for text in what prints.
     """
 

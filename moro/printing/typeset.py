@@ -1,8 +1,9 @@
 r"""Formulas as rows of boxes, which know their LaTeX, their MathML and about how wide they are.
 
 A formula is a list of boxes. ``moro.printing.notation`` makes one of a SymPy expression,
-``moro.printing.markup`` of text, ``r"\dot{q}_1"``. ``broken`` breaks a long one into lines of bounded width, between terms, as
-far outside of brackets as it can. ``latex`` and ``mathml`` write a line out.
+``moro.printing.markup`` of text, ``r"\dot{q}_1"``. ``broken`` breaks a long one into lines of
+bounded width, between terms, as far outside of brackets as it can. ``latex`` and ``mathml`` write a
+line out.
 
 Widths are in em of the text, those of Computer Modern or a little more.
 """
