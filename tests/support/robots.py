@@ -3,7 +3,7 @@
 import sympy as sp
 
 from moro import Robot
-from moro.abc import joint_variable, symbol
+from moro.abc import g, joint_variable, l1, l2, q1, q2, symbol
 
 pi = sp.pi
 
@@ -75,3 +75,22 @@ def random_tensor(rng):
     A = sp.Matrix(3, 3, lambda j, k: decimal(rng))
     S = A * A.T + sp.eye(3) / 20
     return sp.eye(3) * S.trace() - S
+
+
+def two_links(**values):
+    robot = Robot((l1, 0, 0, q1), (l2, 0, 0, q2))
+    for name, value in values.items():
+        setattr(robot, name, value)
+    return robot
+
+
+def complete():
+    return two_links(
+        masses=None,
+        cm_positions=[[-sp.Symbol("x"), 0, 0], [-sp.Symbol("y"), 0, 0]],
+        inertia_tensors=None,
+        gravity=[0, -g, 0],
+    )
+
+
+# -- construction ---------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from moro.closed_form import ClosedForm
 from moro.scalars.dual import DualRing
 from moro.scalars.trig import TrigRing
 
-REFERENCE = Path(__file__).parents[1] / "reference"
+REFERENCE = Path(__file__).parents[2] / "reference"
 ARMS = ["two_link", "stanford_arm", "puma560", "ur5", "ur5e", "panda"]
 I1, I2 = sp.symbols("I_{z_1z_1} I_{z_2z_2}")
 qd1, qd2 = q1.diff(t), q2.diff(t)

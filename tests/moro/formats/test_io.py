@@ -16,7 +16,7 @@ import moro.formats.loading
 from moro import abc, load
 from moro.formats.loading import packaged, read
 
-REFERENCE = Path(__file__).parent.parent / "reference"
+REFERENCE = Path(__file__).parents[2] / "reference"
 
 ARM = """\
 name: arm

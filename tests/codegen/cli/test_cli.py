@@ -10,7 +10,7 @@ from command import run
 
 from moro_codegen import FUNCTIONS, Kernel
 
-ROBOTS = Path(__file__).parents[2] / "moro" / "robots"
+ROBOTS = Path(__file__).parents[3] / "moro" / "robots"
 
 
 def test_whole_job(tmp_path):
