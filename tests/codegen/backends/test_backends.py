@@ -119,7 +119,7 @@ def test_the_command_knows_it(tmp_path):
         f"from moro_codegen.cli import main\nmain({words})"
     )
     here = Path(__file__).parent
-    path = os.pathsep.join(map(str, (here, here.parent / "support")))
+    path = os.pathsep.join(map(str, (here, here.parents[1] / "support")))
     done = subprocess.run(
         [sys.executable, "-c", program], cwd=tmp_path, env=os.environ | {"PYTHONPATH": path},
         capture_output=True, text=True, check=False,
