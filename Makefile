@@ -37,6 +37,7 @@ dist-check: .venv/dist
 
 figures: .venv/docs
 	$(BIN)/python docs/figures/draw.py
+	$(BIN)/python docs/figures/data_way.py
 
 bench: benchmarks/.peers/installed
 	@benchmarks/.peers/bin/python -m benchmarks $(BENCH)

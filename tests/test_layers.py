@@ -53,6 +53,48 @@ def reached(module, graph=GRAPH):
     return found
 
 
+#: the rooms of both packages, in the order of their imports, as CONTRIBUTING.md lists them
+ROOMS = {
+    "moro": "abc spatial model checks scalars closed_form algorithms printing identification "
+    "formats mechanics report robot io core",
+    "moro_codegen": "registry progress waiting calls graph passes functions signature program emit "
+    "backends kernel proof lambdified pipeline installation benchmark cli __main__",
+}
+
+
+def room(module):
+    """A module's package, and the place of its room there; that of the package itself is last."""
+    package, _, inside = module.partition(".")
+    rooms = ROOMS[package].split()
+    return package, rooms.index(inside.split(".")[0]) if inside else len(rooms)
+
+
+def test_imports_run_down_the_list_of_rooms():
+    upwards = [
+        (module, name)
+        for module, used in GRAPH.items()
+        for name in used
+        if "." in name and room(module)[0] == room(name)[0] and room(module)[1] < room(name)[1]
+    ]
+    assert not upwards
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_contributing_lists_the_rooms_in_their_order(package):
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    table = text.split(f"(`{package}`) | what |")[1].split("\n\n")[0]
+    listed = [
+        name.strip().removesuffix("/").removesuffix(".py")
+        for line in table.splitlines()[2:]
+        for name in line.split("|")[1].split(",")
+    ]
+    rooms = ROOMS[package].split()
+    known = [name for name in listed if name != "robots"]  # which is data
+    assert known == [name for name in rooms if name in known]
+    small = {"io", "core", "installation", "__main__"}
+    assert set(rooms) - set(known) <= small
+
+
 def test_moro_never_imports_moro_codegen():
     guilty = {m for m, used in GRAPH.items() if m.startswith("moro.") or m == "moro"
               for name in used if name.startswith("moro_codegen")}  # fmt: skip

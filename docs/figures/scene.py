@@ -16,7 +16,7 @@ from matplotlib.path import Path as Outline
 #: what belongs to a link (a, alpha), what belongs to a joint (d, theta), and the rest
 LINK, JOINT, INK, SOFT = "#0b5fa5", "#b8320a", "#1c1c1c", "#8a8a8a"
 _BODY, _EDGE = "#e4e7ea", "#9aa0a6"
-_STYLE = {
+STYLE = {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
     "svg.fonttype": "path",
@@ -36,7 +36,7 @@ class Scene:
     """A drawing. Points and directions are vectors of the world; lengths of text are in points."""
 
     def __init__(self, width: float, height: float, elevation: float = 0.42, size: float = 15):
-        mpl.rcParams.update(_STYLE)
+        mpl.rcParams.update(STYLE)
         self.figure = Figure(figsize=(width, height), facecolor="white")
         self.axes = self.figure.add_axes((0, 0, 1, 1))
         self.axes.set_aspect("equal")
