@@ -98,7 +98,7 @@ def try_out(made: Path, folder: Path) -> None:
     )
     report = "import moro; moro.load('two_link').report('html', 'two_link.html')"
     run(python, "-c", report, cwd=folder)
-    assert (folder / "build/puma560/puma560.so").is_file()
+    assert (folder / "build/puma560/libpuma560.so").is_file()
     assert (folder / "two_link.html").is_file()
 
 
