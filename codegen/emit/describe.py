@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from moro.model import JOINT_TYPES, JointType
 from moro_codegen.emit.escape import printable
 
 if TYPE_CHECKING:
@@ -13,7 +14,6 @@ if TYPE_CHECKING:
     from moro_codegen.program import Program, Routine
     from moro_codegen.signature import Parameter, Signature
 
-_UNITS = {"revolute": "rad, torque in N m", "prismatic": "m, force in N"}
 _CONVENTIONS = {"dh": "standard", "mdh": "modified"}
 _COUNTED = {
     "add": "additions",
@@ -29,8 +29,8 @@ _COUNTED = {
 def conventions(program: Program) -> list[str]:
     """Return what holds for every function: joints, units, frames, gravity, parameters."""
     joints = [
-        f"  joint {i}: {kind} ({_UNITS[kind]})"
-        for i, kind in enumerate(program.joint_kinds, start=1)
+        f"  joint {i}: {name} ({_units(JOINT_TYPES[name])})"
+        for i, name in enumerate(program.joint_kinds, start=1)
     ]
     lines = [
         "SI units, radians. Component k of a joint vector belongs to joint k + 1; matrices are",
@@ -49,6 +49,11 @@ def conventions(program: Program) -> list[str]:
         for line in parameter_lines(program):
             lines += textwrap.wrap(line, 92, initial_indent="  ", subsequent_indent=" " * 6)
     return lines
+
+
+def _units(kind: JointType) -> str:
+    """Return the units of q and of tau: "rad, torque in N m"."""
+    return f"{kind.unit}, {'torque' if kind.is_angle else 'force'} in {kind.effort}"
 
 
 def parameter_lines(program: Program) -> list[str]:
