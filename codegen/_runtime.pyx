@@ -26,6 +26,10 @@ cdef extern from "dlfcn.h" nogil:
     int RTLD_NOW, RTLD_LOCAL
 
 cdef extern from "fenv.h" nogil:
+    ctypedef struct fenv_t:
+        pass
+    int fegetenv(fenv_t *environment)
+    int fesetenv(const fenv_t *environment)
     int feclearexcept(int exceptions)
     int FE_ALL_EXCEPT
 
@@ -113,13 +117,17 @@ cdef class Library:
     cdef readonly str path
 
     def __cinit__(self, path):
+        cdef fenv_t environment
         self.path = os.fspath(path)
         spelled = None
         while spelled != _spelled_by_inode(self.path):  # else the file was replaced meanwhile
             if self.handle is not NULL:
                 dlclose(self.handle)
             spelled = _spelled_by_inode(self.path)
+            # what -ffast-math links into a library turns small numbers to zero from here on
+            fegetenv(&environment)
             self.handle = dlopen(os.fsencode(spelled), RTLD_NOW | RTLD_LOCAL)
+            fesetenv(&environment)
             if self.handle is NULL:
                 raise OSError(f"cannot load {self.path}: {dlerror().decode(errors='replace')}")
 
