@@ -11,7 +11,7 @@ demo: .venv/installed
 	@$(BIN)/moro-codegen puma560
 
 test: .venv/tests
-	@echo "all tests: about four minutes on two idle cores, up to fifteen on busy ones"
+	@echo "all tests: about nine minutes on two idle cores, longer on busy ones"
 	$(BIN)/pytest -n auto
 
 # robot files, expressions and names that nobody would think of, for so many seconds
