@@ -131,7 +131,12 @@ def _parallel_sense(link: Link) -> int:
 def unturned(arm: Posture, turned: Collection[int]) -> Posture:
     """Return the arm with the frames of some revolute links turned against their joints' angles.
 
-    Their children, if any, turn about parallel axes.
+    Their children, if any, turn about parallel axes. Of links 1 and 2 on parallel axes, 1 unturned:
+
+        parent -- Rz(q1) --> link 1 -- p --> Rz(q2) --> link 2        what is given
+        parent -----------> link 1'-- Rz(q1) p --> Rz(q1 + q2) --> link 2
+
+    Vectors go from parent to 1' as they are; the body of 1 and p are turned once, by q1.
     """
     links = list(arm.links)
     for i, children in enumerate(arm.children):

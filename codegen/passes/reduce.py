@@ -135,7 +135,11 @@ def _balancing_masses(
 def _balances(
     x: Constant, y: Constant, points: Sequence[FixedPoint]
 ) -> Iterator[list[tuple[FixedPoint, Constant]]]:
-    """Yield masses that balance (x, y): one mass, two masses, one mass that leaves x or y."""
+    """Yield masses that balance (x, y): one mass, two masses, one mass that leaves x or y.
+
+    Masses mu_a at points a balance where sum of mu_a (a_x, a_y) = (x, y): one does if a is parallel
+    to (x, y), and two points that are not parallel do always, by Cramer's rule.
+    """
     for point in points:
         px, py, _ = point.p
         if px * y == py * x:
