@@ -13,7 +13,6 @@ from collections.abc import Sequence
 
 from moro.algorithms.newton_euler import forward_motion
 from moro.algorithms.posture import Posture
-from moro.model import Body, Model
 from moro.spatial.motion import REST, Motion, Velocity
 from moro.spatial.transform import velocity_in_link
 from moro.spatial.vectors import Scalar, Vector, add, cross, dot, times, transpose
@@ -21,17 +20,6 @@ from moro.spatial.vectors import Scalar, Vector, add, cross, dot, times, transpo
 #: the parameters of a body, in order: inertia about the origin of the joint's frame, first moment,
 #: mass
 PARAMETERS = ("XX", "XY", "XZ", "YY", "YZ", "ZZ", "MX", "MY", "MZ", "M")
-
-
-def parameters(model: Model) -> list[Scalar]:
-    """Return p: the parameters of all bodies, to which the regressor belongs."""
-    return [x for body in model.bodies for x in body_parameters(body)]
-
-
-def body_parameters(body: Body) -> tuple[Scalar, ...]:
-    """Return the ``PARAMETERS`` of a body."""
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia
-    return (xx, xy, xz, yy, yz, zz, *body.first_moment, body.mass)
 
 
 def body_regressor(arm: Posture, qd: Sequence[Scalar], qdd: Sequence[Scalar]) -> list[list[Scalar]]:

@@ -84,11 +84,6 @@ def diagonal(x: Scalar) -> Matrix:
     return (x, 0, 0), (0, x, 0), (0, 0, x)
 
 
-def trace(A: Matrix) -> Scalar:
-    """Return the sum of the diagonal."""
-    return A[0][0] + A[1][1] + A[2][2]
-
-
 def symmetric(A: Matrix) -> Matrix:
     """Return the symmetric matrix with the diagonal of A and what is above it."""
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = A

@@ -57,3 +57,13 @@ def with_tip(model, q, sincos):
 
 def rotors(model):
     return [joint.rotor_inertia for joint in model.joints]
+
+
+def parameters(model):
+    """p of the regressor: its PARAMETERS of all bodies."""
+    return [x for body in model.bodies for x in body_parameters(body)]
+
+
+def body_parameters(body):
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia
+    return (xx, xy, xz, yy, yz, zz, *body.first_moment, body.mass)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from arms import NAMES, numeric, reference_model, sincos
 from dynamics import assert_close, exact_case, reference_case
-from recursion import inverse_dynamics, regressor
+from recursion import inverse_dynamics, parameters, regressor
 
-from moro.algorithms.regressor import PARAMETERS, parameters
+from moro.algorithms.regressor import PARAMETERS
 from moro.model import Body
 
 
