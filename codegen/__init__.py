@@ -10,22 +10,23 @@ Regressor       "regressor" with or without the parameters that are zero
 ToolchainError  no C compiler that works
 """
 
-from pkgutil import resolve_name
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from moro_codegen.backends.toolchain import ToolchainError
+    from moro_codegen.functions.base_regressor import Regressor
     from moro_codegen.functions.catalogue import KNOWN as FUNCTIONS
     from moro_codegen.functions.own import UserFunction as Function
-    from moro_codegen.functions.regressor import Regressor
     from moro_codegen.kernel.kernel import Kernel
     from moro_codegen.lambdified import lambdify
     from moro_codegen.pipeline import build, compile
     from moro_codegen.program import Program, generate
     from moro_codegen.proof.verification import Verification, verify
 
-# sees to it that `import moro` finds the moro that belongs here
-from moro_codegen import installation as installation
+# first: sees to it that `import moro` finds the moro that belongs here
+from moro_codegen import installation as installation  # isort: split
+
+from moro.late import late
 
 __all__ = [
     "FUNCTIONS",
@@ -48,7 +49,7 @@ _HOMES = {
     "Function": "moro_codegen.functions.own:UserFunction",
     "Kernel": "moro_codegen.kernel.kernel:Kernel",
     "Program": "moro_codegen.program:Program",
-    "Regressor": "moro_codegen.functions.regressor:Regressor",
+    "Regressor": "moro_codegen.functions.base_regressor:Regressor",
     "ToolchainError": "moro_codegen.backends.toolchain:ToolchainError",
     "Verification": "moro_codegen.proof.verification:Verification",
     "build": "moro_codegen.pipeline:build",
@@ -59,12 +60,4 @@ _HOMES = {
 }
 
 if not TYPE_CHECKING:  # which knows the names above, and finds others wrong
-
-    def __getattr__(name: str) -> Any:
-        if name not in _HOMES:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        value = globals()[name] = resolve_name(_HOMES[name])
-        return value
-
-    def __dir__() -> list[str]:
-        return sorted({*globals(), *_HOMES})
+    __getattr__, __dir__ = late(__name__, _HOMES)

@@ -22,9 +22,9 @@ from moro_codegen.passes.factor import factored
 from moro_codegen.progress import tell
 from moro_codegen.signature import (
     DTYPES,
-    Parameter,
     Part,
     Real,
+    RuntimeParameter,
     Signature,
     parameters_input,
     real,
@@ -57,7 +57,7 @@ class Program:
     name: str
     dof: int
     joint_kinds: tuple[str, ...]
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[RuntimeParameter, ...]
     routines: tuple[Routine, ...]
     #: what the kernel computes with
     scalar: Real = "double"
@@ -127,7 +127,7 @@ def assembled(
         model.dof,
         tuple(joint.type.name for joint in model.joints),
         tuple(
-            Parameter(str(s), None if x is None else float(x), meanings.get(s, ""))
+            RuntimeParameter(str(s), None if x is None else float(x), meanings.get(s, ""))
             for s, x in defaults.items()
         ),
         tuple(routines),

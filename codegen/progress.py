@@ -18,7 +18,7 @@ from typing import Any
 PATIENCE = 1.0
 
 
-class Line:
+class ProgressLine:
     """What is being done, and since when."""
 
     def __init__(self) -> None:
@@ -32,7 +32,7 @@ class Line:
         return f"{self.what} ({time.monotonic() - self.since:.0f} s)"
 
 
-_line: ContextVar[Line | None] = ContextVar("line", default=None)
+_line: ContextVar[ProgressLine | None] = ContextVar("line", default=None)
 
 
 def tell(what: str) -> bool:
@@ -49,7 +49,7 @@ def shown() -> Iterator[None]:
     if watch is None:
         yield
         return
-    line, over = Line(), threading.Event()
+    line, over = ProgressLine(), threading.Event()
     token = _line.set(line)
     watching = threading.Thread(target=watch, args=(line, over), daemon=True)
     watching.start()
@@ -68,7 +68,7 @@ def _watcher() -> Any:
     return _on_terminal if sys.stderr is not None and sys.stderr.isatty() else None
 
 
-def _on_terminal(line: Line, over: threading.Event) -> None:
+def _on_terminal(line: ProgressLine, over: threading.Event) -> None:
     if over.wait(PATIENCE):
         return
     from rich.console import Console
@@ -86,7 +86,7 @@ def _on_terminal(line: Line, over: threading.Event) -> None:
         over.wait()
 
 
-def _in_notebook(line: Line, over: threading.Event) -> None:
+def _in_notebook(line: ProgressLine, over: threading.Event) -> None:
     if over.wait(PATIENCE):
         return
     from IPython.display import DisplayHandle  # type: ignore[import-not-found]

@@ -21,7 +21,7 @@ DTYPES: dict[Real, str] = {"double": "float64", "float": "float32"}
 
 
 @dataclass(frozen=True)
-class Parameter:
+class RuntimeParameter:
     """A number of the model that is given at run time."""
 
     name: str
@@ -48,7 +48,7 @@ class Signature:
     #: run-time parameters, as one array, are the last input if there are any
     inputs: tuple[Argument, ...]
     outputs: tuple[Argument, ...]
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[RuntimeParameter, ...]
     ops: Mapping[str, int]
     #: what it is made of, in the order of the outputs
     parts: tuple[Part, ...]
@@ -71,7 +71,7 @@ class Signature:
                 **data,
                 "inputs": arguments(data["inputs"]),
                 "outputs": arguments(data["outputs"]),
-                "parameters": tuple(Parameter(**item) for item in data["parameters"]),
+                "parameters": tuple(RuntimeParameter(**item) for item in data["parameters"]),
                 "parts": tuple(Part(**item) for item in data["parts"]),
             }
         )
@@ -107,7 +107,7 @@ class Signature:
         )
 
 
-def parameters_input(parameters: Sequence[Parameter]) -> tuple[Argument, ...]:
+def parameters_input(parameters: Sequence[RuntimeParameter]) -> tuple[Argument, ...]:
     """Return run-time parameters as an input, the last one; none if there are none."""
     return tuple(
         Argument(operand.name, operand.shape, "SI", operand.description)

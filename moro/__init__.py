@@ -8,8 +8,9 @@
 ``moro_codegen`` makes compiled kernels of the same robots.
 """
 
-from pkgutil import resolve_name
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from moro.late import late
 
 if TYPE_CHECKING:
     from moro import abc as abc
@@ -48,12 +49,4 @@ _HOMES = {
 }
 
 if not TYPE_CHECKING:  # which knows the names above, and finds others wrong
-
-    def __getattr__(name: str) -> Any:
-        if name not in _HOMES:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        value = globals()[name] = resolve_name(_HOMES[name])
-        return value
-
-    def __dir__() -> list[str]:
-        return sorted({*globals(), *_HOMES})
+    __getattr__, __dir__ = late(__name__, _HOMES)

@@ -20,12 +20,12 @@ from moro_codegen.emit.render import render
 from moro_codegen.emit.statements import (
     FAR,
     Assign,
-    Body,
     Call,
+    Identifiers,
     Load,
-    Names,
+    ReduceAngles,
+    RoutineBody,
     Sines,
-    Turn,
     body,
     literal,
 )
@@ -198,7 +198,7 @@ class _Emission:
     def local(self) -> dict[str, str]:
         """Names for the functions' own variables, where no argument has them."""
         arguments = (*self.inputs, *self.routine.outputs)
-        names = Names([*RESERVED, *(a.name for a in arguments)])
+        names = Identifiers([*RESERVED, *(a.name for a in arguments)])
         return {wish: names.take(wish) for wish in ("x", "y", "w", "k", "all", "left")}
 
     @property
@@ -283,7 +283,7 @@ class _Emission:
     # -- bodies ----------------------------------------------------------------------------------
 
     @cached_property
-    def text(self) -> Body:
+    def text(self) -> RoutineBody:
         """The statements, with names that neither C nor our own variables have."""
         arguments = (*self.inputs, *self.routine.outputs)
         own = (*self.local.values(), "x", "y", *(a.name for a in arguments))
@@ -430,7 +430,7 @@ def scalar_lines(step: Step, inputs: Iterable[Argument], shared: str, real: str)
         case Call(name, function, arguments):
             called = c_name(function, "f" if real == "float" else "")
             return [f"const {real} {name} = {called}({', '.join(arguments)});"]
-        case Turn(names, angles, _):
+        case ReduceAngles(names, angles, _):
             return [
                 f"const {real} {name} = turned({angle});"
                 for name, angle in zip(names, angles, strict=True)
@@ -466,7 +466,7 @@ def lanes_lines(step: Step, first: Mapping[str, int], shared: str, f: str) -> li
                 "for (int l = 0; l < LANES; l++)",
                 f"    {name}[l] = {c_name(function, f)}({', '.join(values)});",
             ]
-        case Turn(names, angles, array):
+        case ReduceAngles(names, angles, array):
             return [
                 f"lanes {array}[{len(angles)}] = {{{', '.join(angles)}}};",
                 f"turn_lanes({len(angles)}, {array});",

@@ -12,7 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 from moro_codegen.backends.numpy import NAMES, RESERVED, far
 from moro_codegen.emit.render import render
-from moro_codegen.emit.statements import FAR, Assign, Call, Load, Sines, Statement, Turn, body
+from moro_codegen.emit.statements import (
+    FAR,
+    Assign,
+    Call,
+    Load,
+    ReduceAngles,
+    Sines,
+    Statement,
+    body,
+)
 
 if TYPE_CHECKING:
     from moro_codegen.program import Program, Routine
@@ -51,7 +60,7 @@ def _statement(statement: Statement, limit: float) -> Iterator[str]:
         case Call(name, function, arguments):
             call = f"np.{NAMES.get(function, function)}({', '.join(arguments)})"
             yield f"{name} = float({call})"
-        case Turn(names, angles, _):
+        case ReduceAngles(names, angles, _):
             for name, angle in zip(names, angles, strict=True):
                 near = f"-{limit} <= {angle} <= {limit}"
                 yield f"{name} = {angle} if {near} else _turned({angle})"

@@ -16,7 +16,16 @@ from moro_codegen import calls
 from moro_codegen.backends import Backend, Folder, Opened
 from moro_codegen.emit.describe import conventions, docstring
 from moro_codegen.emit.render import render
-from moro_codegen.emit.statements import FAR, Assign, Call, Load, Sines, Statement, Turn, body
+from moro_codegen.emit.statements import (
+    FAR,
+    Assign,
+    Call,
+    Load,
+    ReduceAngles,
+    Sines,
+    Statement,
+    body,
+)
 
 if TYPE_CHECKING:
     from moro_codegen.program import Program, Routine
@@ -146,7 +155,7 @@ def _computed(statement: Statement) -> list[str]:
     match statement:
         case Load():
             return []
-        case Turn(names, _, _):
+        case ReduceAngles(names, _, _):
             return list(names)
         case Assign(name, _) | Call(name, _, _):
             return [name]
@@ -162,7 +171,7 @@ def _statement(statement: Statement, shapes: Mapping[str, tuple[int, ...]]) -> I
             yield f"{name} = {expression}"
         case Call(name, function, arguments):
             yield f"{name} = np.{NAMES.get(function, function)}({', '.join(arguments)})"
-        case Turn(names, angles, _):
+        case ReduceAngles(names, angles, _):
             for name, angle in zip(names, angles, strict=True):
                 yield f"{name} = _turned({angle})"
         case Sines(angles, pairs, _):

@@ -14,7 +14,7 @@ from moro.checks.meant import hint
 from moro.formats.loading import packaged
 from moro_codegen import FUNCTIONS, registry
 from moro_codegen.backends.toolchain import ToolchainError
-from moro_codegen.cli.given import read
+from moro_codegen.cli.robot_file import read
 from moro_codegen.installation import versions
 
 #: what a person can cause: bad input, no compiler, a folder that cannot be written
@@ -173,8 +173,8 @@ def main(
     try:
         arm, source = read(robot)
         # what follows needs SymPy and NumPy; a file that is refused does not
-        from moro_codegen.cli.document import document
         from moro_codegen.cli.job import Order, run
+        from moro_codegen.cli.json_document import document
         from moro_codegen.cli.table import show
 
         order = Order(functions, output, backend, scalar, languages, arch, not no_benchmark)

@@ -20,7 +20,7 @@ GAP = " " * 3
 NARROW = 24
 
 
-class Row(NamedTuple):
+class TableRow(NamedTuple):
     """What, how much, and a note."""
 
     what: str
@@ -57,48 +57,48 @@ def show(outcome: Outcome) -> None:
     console.print(f"\n{_shown(kernel.directory)}: {', '.join(outcome.files)}", soft_wrap=True)
 
 
-def _laid_out(row: Row, what: int, value: int, room: int | None) -> Text:
+def _laid_out(row: TableRow, what: int, value: int, room: int | None) -> Text:
     """Return a row for columns of these widths, its note wrapped into what room there is."""
     left = f"{row.what:<{what}}{GAP}{row.value:>{value}}{GAP}"
     lines = textwrap.wrap(row.note, room) if room else [row.note]
     return Text.assemble(left, (f"\n{'':{len(left)}}".join(lines), row.style))
 
 
-def _facts(outcome: Outcome) -> Iterator[Row]:
+def _facts(outcome: Outcome) -> Iterator[TableRow]:
     """Yield what the kernel is, how long it took, and whether it is right."""
     robot, kernel, times = outcome.robot, outcome.kernel, outcome.times
     route, verification = outcome.route, outcome.verification
-    yield Row("joints", str(robot.dof), f"{_kinds(robot)}, {robot.convention} convention")
+    yield TableRow("joints", str(robot.dof), f"{_kinds(robot)}, {robot.convention} convention")
     if kernel.manifest["scalar"] == "float":
-        yield Row("scalar type", "float", "single precision")
+        yield TableRow("scalar type", "float", "single precision")
     if kernel.parameters:
-        yield Row("parameters", str(len(kernel.parameters)), ", ".join(kernel.parameters))
+        yield TableRow("parameters", str(len(kernel.parameters)), ", ".join(kernel.parameters))
     if len(kernel.ops) == 1:
         (ops,) = kernel.ops.values()
         counts = " + ".join(f"{count} {kind}" for kind, count in _arithmetic(ops).items())
         note = f"{counts or 'none'}; {ops['sincos']} sin-cos pairs"
-        yield Row("operations", str(_operations(ops)), note)
+        yield TableRow("operations", str(_operations(ops)), note)
         if outcome.rigid and (drives := _operations(ops) - _operations(outcome.rigid)):
-            yield Row("", str(drives), "of these for friction and rotor inertia")
+            yield TableRow("", str(drives), "of these for friction and rotor inertia")
     length = "too long to write out" if route.terms is None else f"{route.terms} terms"
-    yield Row("time to derive", _duration(times["derive"]), f"M, C, G: {length}")
-    yield Row("time to generate", _duration(times["generate"]), "from model to source text")
+    yield TableRow("time to derive", _duration(times["derive"]), f"M, C, G: {length}")
+    yield TableRow("time to generate", _duration(times["generate"]), "from model to source text")
     compiler = (kernel.manifest["compiler"] or {}).get("version", "no compiler needed")
     if kernel.reused:
-        yield Row("time to compile", "-", "built before from the same input")
+        yield TableRow("time to compile", "-", "built before from the same input")
     else:
-        yield Row("time to compile", _duration(times["compile"]), compiler)
+        yield TableRow("time to compile", _duration(times["compile"]), compiler)
     states = f"{verification.states}, against the {verification.route}"
     verdict, style = ("verified", "dim") if verification.passed else ("NOT VERIFIED", "bold red")
-    yield Row("largest error", f"{verification.max_error:.1e}", f"{verdict}: {states}", style)
+    yield TableRow("largest error", f"{verification.max_error:.1e}", f"{verdict}: {states}", style)
     if len(verification.singular):
         text = f"where M is singular: {verification.singular_postures}"
-        yield Row("not compared", "-", f"forward dynamics {text}")
+        yield TableRow("not compared", "-", f"forward dynamics {text}")
     for name in verification.unchecked:
-        yield Row("not checked", "-", f"{name}: the symbolic route has no such function")
+        yield TableRow("not checked", "-", f"{name}: the symbolic route has no such function")
 
 
-def _comparison(outcome: Outcome) -> Iterator[Row]:
+def _comparison(outcome: Outcome) -> Iterator[TableRow]:
     """Yield the times of tau, or else of the one function, as multiples of the kernel's."""
     names = list(outcome.kernel.signatures)
     name = names[0] if len(names) == 1 else "tau"
@@ -111,11 +111,11 @@ def _comparison(outcome: Outcome) -> Iterator[Row]:
         for timing in same:
             ratio = timing.seconds / same[0].seconds
             multiple = "" if timing is same[0] else f", {_ratio(ratio)} the kernel"
-            yield Row(timing.what, _duration(timing.seconds), f"{title}{multiple}")
+            yield TableRow(timing.what, _duration(timing.seconds), f"{title}{multiple}")
         if name == "tau" and same and not batch and "SymPy lambdify" not in [t.what for t in same]:
             terms = outcome.route.terms
             what = "the equations" if terms is None else f"{terms:,} terms"
-            yield Row("SymPy lambdify", "-", f"left out: {what} take it too long")
+            yield TableRow("SymPy lambdify", "-", f"left out: {what} take it too long")
 
 
 def _by_function(outcome: Outcome) -> Iterator[tuple[str, ...]]:

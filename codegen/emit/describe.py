@@ -12,7 +12,7 @@ from moro_codegen.emit.escape import printable
 if TYPE_CHECKING:
     from moro_codegen.functions.arguments import Argument
     from moro_codegen.program import Program, Routine
-    from moro_codegen.signature import Parameter, Signature
+    from moro_codegen.signature import RuntimeParameter, Signature
 
 _CONVENTIONS = {"dh": "standard", "mdh": "modified"}
 _COUNTED = {
@@ -125,6 +125,6 @@ def docstring(signature: Signature) -> list[str]:
     ]
 
 
-def _parameter_line(parameter: Parameter) -> str:
+def _parameter_line(parameter: RuntimeParameter) -> str:
     default = "no default" if parameter.default is None else f"default {parameter.default!r}"
     return printable(f"{parameter.name}  ({default})  {parameter.description}".rstrip())

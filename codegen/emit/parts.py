@@ -11,7 +11,15 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from moro_codegen.emit.statements import Assign, Body, Call, Load, Sines, Statement, Turn
+from moro_codegen.emit.statements import (
+    Assign,
+    Call,
+    Load,
+    ReduceAngles,
+    RoutineBody,
+    Sines,
+    Statement,
+)
 
 #: statements of a part
 LENGTH = 500
@@ -46,7 +54,7 @@ class Parts:
     room: int
 
 
-def in_parts(body: Body, length: int = LENGTH) -> Parts:
+def in_parts(body: RoutineBody, length: int = LENGTH) -> Parts:
     """Return the statements of a routine, divided if there are many."""
     loads = {s.name: s for s in body.statements if isinstance(s, Load)}
     work = [s for s in body.statements if not isinstance(s, Load)]
@@ -120,7 +128,7 @@ def _used(statement: Statement) -> list[str]:
             return _NAME.findall(expression)
         case Call(_, _, arguments):
             return _NAME.findall(" ".join(arguments))
-        case Sines(angles, _, _) | Turn(_, angles, _):
+        case Sines(angles, _, _) | ReduceAngles(_, angles, _):
             return _NAME.findall(" ".join(angles))
     return []
 
@@ -129,7 +137,7 @@ def _defined(statement: Statement) -> list[str]:
     match statement:
         case Assign(name) | Call(name):
             return [name]
-        case Turn(names, _, _):
+        case ReduceAngles(names, _, _):
             return list(names)
         case Sines(_, pairs, _):
             return [name for pair in pairs for name in pair if name]

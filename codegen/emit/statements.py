@@ -76,7 +76,7 @@ class Sines:
 
 
 @dataclass(frozen=True)
-class Turn:
+class ReduceAngles:
     """``names[k]`` is the angle ``angles[k]``, by whole turns nearer to 0 if it is far from it.
 
     So that a sum of large angles is not rounded coarsely. ``array`` is a free name.
@@ -96,18 +96,18 @@ class Call:
     arguments: tuple[str, ...]
 
 
-Statement = Load | Assign | Turn | Sines | Call
+Statement = Load | Assign | ReduceAngles | Sines | Call
 
 
 @dataclass(frozen=True)
-class Body:
+class RoutineBody:
     """The statements of a routine, and the expression of each result, in order."""
 
     statements: tuple[Statement, ...]
     results: tuple[str, ...]
 
 
-class Names:
+class Identifiers:
     """Hands out identifiers, each once."""
 
     def __init__(self, reserved: Iterable[str]) -> None:
@@ -129,7 +129,7 @@ def body(
     routine: Routine,
     reserved: Iterable[str],
     suffix: str = "",
-) -> Body:
+) -> RoutineBody:
     """Return the routine's statements.
 
     ``reserved`` are names that the language keeps to itself, ``suffix`` follows its constants.
@@ -176,18 +176,18 @@ class _Writer:
 
     def __post_init__(self) -> None:
         routine = self.routine
-        self.names = Names(self.reserved)
+        self.names = Identifiers(self.reserved)
         self.uses = Counter(a for node in routine.schedule for a in node.args)
         self.uses.update(routine.results)
         self.turns = {(n.op, n.args[0]) for n in routine.schedule if n.op in ("sin", "cos")}
         self.result_names = self._result_names()
         self.inputs = self._input_names()
 
-    def body(self) -> Body:
+    def body(self) -> RoutineBody:
         """Write the angles, their sines and cosines, then everything else in order."""
         self._load_inputs()
         leading = self._needed_for(self.routine.angles)
-        inputs = self._turn(leading)
+        inputs = self._reduce_angles(leading)
         for node in self.routine.schedule:
             if node in leading:
                 self._write(node)
@@ -196,7 +196,7 @@ class _Writer:
         for node in self.routine.schedule:
             if node not in leading:
                 self._write(node)
-        return Body(
+        return RoutineBody(
             tuple(self.statements), tuple(self._text(node).text for node in self.routine.results)
         )
 
@@ -267,8 +267,13 @@ class _Writer:
                 stack.extend(node.args)
         return needed
 
-    def _turn(self, leading: set[Node]) -> dict[Node, Text]:
-        """Turn the inputs that are summed to angles, if nothing else is made of the sums.
+    def _reduce_angles(self, leading: set[Node]) -> dict[Node, Text]:
+        """Reduce the inputs that are summed to angles, if nothing else is made of the sums.
+
+        sin(a + b) = sin((a - 2 pi k) + b), but the double nearest to a + b is off by up to half a
+        unit in its last place, 6e-11 at a million radians, and that of the small sum is not. The
+        sum is another number then, so only sines and cosines may be made of it: ``periodic`` counts
+        these uses. Where it is a result itself, nothing is reduced.
 
         Return the texts of the inputs as they are, for whatever else they are used in.
         """
@@ -286,7 +291,7 @@ class _Writer:
         untouched = {node: self.texts[node] for node in summed}
         angles = tuple(text.text for text in untouched.values())
         names = tuple(self.names.take(f"{angle}_turned") for angle in angles)
-        self.statements.append(Turn(names, angles, self.names.take("turned")))
+        self.statements.append(ReduceAngles(names, angles, self.names.take("turned")))
         self.texts.update((node, Text(name)) for node, name in zip(summed, names, strict=True))
         return untouched
 

@@ -8,9 +8,9 @@ from typing import TypeAlias
 
 from moro.checks.meant import hint
 from moro.model import Model
+from moro_codegen.functions.base_regressor import Regressor
 from moro_codegen.functions.catalogue import FUNCTIONS, KNOWN, REGRESSOR, Function
 from moro_codegen.functions.own import UserFunction
-from moro_codegen.functions.regressor import Regressor
 from moro_codegen.functions.together import together
 
 #: a name of KNOWN, the regressor with a choice, a function of one's own, or any that is ready

@@ -26,7 +26,7 @@ from moro.abc import t
 from moro.closed_form import ClosedForm
 from moro.printing.collected import Collected
 from moro.printing.display import Display
-from moro.printing.named_constants import Combination, Names, whole
+from moro.printing.named_constants import Combination, NamedConstants, whole
 from moro.printing.notation import Notation
 from moro.scalars.trig import Monomial, Trig, TrigRing
 
@@ -91,12 +91,12 @@ class Collector:
         return {name: self._display(p) for name, p in self._inertial_names.meanings.items()}
 
     @cached_property
-    def _inertial_names(self) -> Names:
+    def _inertial_names(self) -> NamedConstants:
         M, n = self._form.inertia_matrix, self._form.n
         return self._names([M[i][j] for i in range(n) for j in range(i, n)], "k")
 
     @cached_property
-    def _gravity_names(self) -> Names:
+    def _gravity_names(self) -> NamedConstants:
         P = sum(self._form.potential_energies, self._form.ring.zero)
         return self._names([*self._form.gravity_vector, P], "gamma")
 
@@ -108,10 +108,10 @@ class Collector:
     def _gravity_form(self) -> NamedForm:
         return NamedForm(self._form, self._gravity_names)
 
-    def _names(self, polynomials: Sequence[Trig], letter: str) -> Names:
+    def _names(self, polynomials: Sequence[Trig], letter: str) -> NamedConstants:
         while any(re.fullmatch(rf"{letter}_\{{?\d+\}}?", name) for name in self._taken):
             letter += "c"
-        return Names(self._form.ring, polynomials, moving(self._form), letter)
+        return NamedConstants(self._form.ring, polynomials, moving(self._form), letter)
 
     def _collected(
         self,
@@ -143,7 +143,7 @@ class Collector:
 class NamedForm(ClosedForm):
     """The closed form of an arm in names: polynomials over a ring that has them as generators."""
 
-    def __init__(self, form: ClosedForm, *names: Names):
+    def __init__(self, form: ClosedForm, *names: NamedConstants):
         self.ring: TrigRing
         super().__init__(form.model, TrigRing())
         self._original = form

@@ -22,7 +22,7 @@ class Equation:
 
 
 @dataclass(frozen=True)
-class Row:
+class EquationLine:
     """A line of an equation: the left-hand side stands on the first one only."""
 
     left: Formula | None
@@ -50,12 +50,12 @@ def in_brackets(name: str, M: Any, write: Callable[[Any], Formula], limit: float
     return list(entries(name, M, write))
 
 
-def rows(equations: Sequence[Equation], limit: float) -> Iterator[Row]:
+def rows(equations: Sequence[Equation], limit: float) -> Iterator[EquationLine]:
     """Yield the lines of equations that are aligned at the equals sign, ``limit`` em wide."""
     room = limit - max((width(x.left) for x in equations), default=0.0) - _RELATION
     for equation in equations:
         for i, line in enumerate(broken(equation.right, room)):
-            yield Row(None if i else equation.left, line)
+            yield EquationLine(None if i else equation.left, line)
 
 
 def latex_rows(equations: Sequence[Equation], limit: float) -> list[str]:
@@ -83,13 +83,13 @@ def html_table(equations: Sequence[Equation], limit: float) -> str:
     return f'<table class="equations">\n{body}\n</table>'
 
 
-def _latex_row(row: Row) -> str:
+def _latex_row(row: EquationLine) -> str:
     if row.left is None:
         return rf"&\hspace{{{row.line.indent + _RELATION:g}em}}{latex(row.line.boxes)}"
     return f"{latex(row.left)} &= {latex(row.line.boxes)}"
 
 
-def _html_row(row: Row) -> str:
+def _html_row(row: EquationLine) -> str:
     indent = f' style="padding-left:{row.line.indent:g}em"' if row.line.indent else ""
     left = "" if row.left is None else math(row.left)
     relation = "" if row.left is None else "<math><mo>=</mo></math>"

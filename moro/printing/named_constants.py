@@ -12,12 +12,12 @@ import sympy as sp
 from moro.scalars.trig import Coefficient, Monomial, Trig, TrigRing
 
 #: a coefficient as a vector: {monomial: rational}
-Vector = dict[Monomial, Fraction]
+SparseVector = dict[Monomial, Fraction]
 #: a linear combination of names (symbols) and of monomials that need none
 Combination = dict[Any, Fraction]
 
 
-class Names:
+class NamedConstants:
     """Names ``letter``_1, ... for the coefficients of polynomials in the generators ``moving``.
 
     ``polynomials`` are in reading order; names are numbered as they turn up there. Multiples of one
@@ -54,9 +54,9 @@ class Names:
 
     def _coefficients(
         self, polynomials: Sequence[Trig], variables: Sequence[Any]
-    ) -> dict[Any, tuple[Vector, int]]:
+    ) -> dict[Any, tuple[SparseVector, int]]:
         """Return {key: (coefficient, how often)}, one for all multiples, in reading order."""
-        found: dict[Any, tuple[Vector, int]] = {}
+        found: dict[Any, tuple[SparseVector, int]] = {}
         for p in polynomials:
             parts = self._ring.coefficients(p, variables)
             for m in sorted(parts, key=lambda m: (self._degree(m), m)):
@@ -89,9 +89,9 @@ class _Span:
 
     def __init__(self) -> None:
         # rows in echelon form, by pivot, each with the combination of items that it is
-        self._rows: dict[Monomial, tuple[Vector, Combination]] = {}
+        self._rows: dict[Monomial, tuple[SparseVector, Combination]] = {}
 
-    def add(self, vector: Vector, item: Any) -> bool:
+    def add(self, vector: SparseVector, item: Any) -> bool:
         """Add a vector; return False if it was in the span before."""
         rest, combination = self._reduced(vector)
         if rest:
@@ -99,11 +99,11 @@ class _Span:
             self._rows[max(rest)] = rest, how | {item: Fraction(1)}
         return bool(rest)
 
-    def combination(self, vector: Vector) -> Combination:
+    def combination(self, vector: SparseVector) -> Combination:
         """Return a vector of the span as a combination of items."""
         return self._reduced(vector)[1]
 
-    def _reduced(self, vector: Vector) -> tuple[Vector, Combination]:
+    def _reduced(self, vector: SparseVector) -> tuple[SparseVector, Combination]:
         rest, combination = dict(vector), Combination()
         for m in sorted(self._rows, reverse=True):
             if m in rest:
@@ -114,7 +114,7 @@ class _Span:
         return rest, combination
 
 
-def _polynomial(ring: TrigRing, vector: Vector) -> Trig:
+def _polynomial(ring: TrigRing, vector: SparseVector) -> Trig:
     return Trig(ring, {m: whole(c) for m, c in vector.items()})
 
 
@@ -133,7 +133,7 @@ def _proportional(p: Trig) -> tuple[Fraction, frozenset[tuple[Monomial, Fraction
     return lead, frozenset((m, c / lead) for m, c in p.terms.items())
 
 
-def _primitive(p: Trig) -> Vector:
+def _primitive(p: Trig) -> SparseVector:
     """Return the multiple of ``p`` to name: coprime whole numbers, or as it is; few minus signs."""
     numbers = [Fraction(c) for c in p.terms.values()]
     divisor = Fraction(1)

@@ -11,7 +11,7 @@ from moro.formats.source import Source
 from moro.mechanics import Mechanics
 from moro.printing.collect import Collector
 from moro.report.dynamics import dynamics
-from moro.report.given import given
+from moro.report.introduction import introduction
 from moro.report.kinematics import kinematics
 from moro.report.page import PAGE_WIDTH, Format, Section, render
 from moro.report.writer import Writer
@@ -33,4 +33,7 @@ def report(robot: Mechanics, source: Source, collector: Collector, target: Forma
 def sections(writer: Writer) -> list[Section]:
     """Return the sections of the report."""
     derived = [*kinematics(writer), *dynamics(writer)]
-    return [*given(writer), *derived]  # last, since it says whether numbers have been rounded
+    return [
+        *introduction(writer),
+        *derived,
+    ]  # last, since it says whether numbers have been rounded

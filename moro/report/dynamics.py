@@ -12,7 +12,7 @@ from moro.abc import t
 from moro.printing.equations import Equation
 from moro.printing.markup import markup
 from moro.printing.typeset import PLUS, Formula
-from moro.report.page import Block, Equations, Paragraph, Section, paragraph
+from moro.report.page import Aligned, Block, Paragraph, Section, paragraph
 from moro.report.writer import Writer
 
 #: an entry of M or G with more operations than this makes the report name constants
@@ -86,7 +86,7 @@ def _energies(writer: Writer, terms: Terms) -> Iterator[Block]:
     )
     kinetic = r"\frac{1}{2} m_i v_i^T v_i + \frac{1}{2} \omega_i^T R_{i0} I_i R_{i0}^T \omega_i"
     potential = "-m_i g_0^T r_{C_i}"
-    yield Equations([_formula("K_i", kinetic), _formula("P_i", potential)])
+    yield Aligned([_formula("K_i", kinetic), _formula("P_i", potential)])
     P = [writer.equation(f"P_{{{i}}}", robot.link_potential_energy(i)) for i in writer.numbers]
     total = [_formula("K", r"\frac{1}{2} \dot{q}^T M \dot{q}")]
     if _is_short(writer, terms):
@@ -94,12 +94,12 @@ def _energies(writer: Writer, terms: Terms) -> Iterator[Block]:
         named = writer.collector.kinetic_energy().matrix[0] if terms.named else None
         total = [writer.equation("K", named or robot.kinetic_energy())]
         if writer.lines(K) <= few:
-            yield Equations(K)
+            yield Aligned(K)
     if writer.lines(P) <= few:
-        yield Equations(P)
+        yield Aligned(P)
     rotors = ", and the rotors" if "rotor_inertias" not in writer.model.not_set else ""
     yield paragraph(f"All links{rotors} together:")
-    yield Equations([*total, writer.equation("P", terms.P)])
+    yield Aligned([*total, writer.equation("P", terms.P)])
 
 
 def _inertia(writer: Writer, terms: Terms) -> Iterator[Block]:
@@ -126,11 +126,11 @@ def _coriolis(writer: Writer, terms: Terms) -> Iterator[Block]:
         yield paragraph("For this arm they are too long to print.")
     else:
         symbols = writer.collector.christoffel_symbols()
-        yield Equations(list(_christoffel(writer, symbols)))
+        yield Aligned(list(_christoffel(writer, symbols)))
         yield paragraph(
             "Beside $c_{ikj} = c_{ijk}$, all others are zero. Entries that are not zero:"
         )
-        yield Equations(list(_coriolis_entries(writer, symbols)))
+        yield Aligned(list(_coriolis_entries(writer, symbols)))
 
 
 def _christoffel(writer: Writer, symbols: Mapping[Any, Any]) -> Iterator[Equation]:
@@ -164,7 +164,7 @@ def _gravity(writer: Writer, terms: Terms) -> Iterator[Block]:
         yield paragraph("Friction, viscous and Coulomb:")
         friction = robot.friction_vector()
         numbered = zip(writer.numbers, friction, strict=True)
-        yield Equations([writer.equation(f"F_{{{i}}}", x) for i, x in numbered])
+        yield Aligned([writer.equation(f"F_{{{i}}}", x) for i, x in numbered])
 
 
 def _equations(writer: Writer, terms: Terms) -> Iterator[Block]:
@@ -177,10 +177,10 @@ def _equations(writer: Writer, terms: Terms) -> Iterator[Block]:
         lefts = model.matrix if terms.named else [equation.lhs for equation in model]
         explicit = [writer.equation(name, x) for name, x in zip(names, lefts, strict=True)]
         if writer.lines(explicit) <= _MAX_EQUATION * robot.dof:
-            yield Equations(explicit)
+            yield Aligned(explicit)
             return
     rows = (_row(writer, terms, i) for i in writer.numbers)
-    yield Equations([Equation(markup(name), row) for name, row in zip(names, rows, strict=True)])
+    yield Aligned([Equation(markup(name), row) for name, row in zip(names, rows, strict=True)])
 
 
 def _row(writer: Writer, terms: Terms, i: int) -> Formula:

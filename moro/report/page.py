@@ -31,7 +31,7 @@ class Paragraph:
 
 
 @dataclass(frozen=True)
-class Equations:
+class Aligned:
     """Equations one below the other, broken into lines."""
 
     equations: Sequence[Equation]
@@ -69,7 +69,7 @@ class Displayed:
     kind: ClassVar[str] = "displayed"
 
 
-Block: TypeAlias = "Paragraph | Equations | Tabular | Displayed"
+Block: TypeAlias = "Paragraph | Aligned | Tabular | Displayed"
 
 
 @dataclass(frozen=True)

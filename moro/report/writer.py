@@ -15,7 +15,7 @@ from moro.printing.collect import Collector
 from moro.printing.equations import Equation, entries, rows
 from moro.printing.markup import markup
 from moro.printing.typeset import Box, Formula, matrix, scripts, width
-from moro.report.page import Block, Displayed, Equations, Paragraph, Tabular
+from moro.report.page import Aligned, Block, Displayed, Paragraph, Tabular
 
 
 class Writer:
@@ -52,13 +52,13 @@ class Writer:
         """Yield a matrix in brackets if it fits on a line, else its entries but zeros."""
         formulas = [[self.write(x) for x in row] for row in sp.Matrix(M).tolist()]
         displayed = self.displayed(name, matrix(formulas))
-        yield displayed or Equations(list(self.entries(name, M)) or [self.equation(name, 0)])
+        yield displayed or Aligned(list(self.entries(name, M)) or [self.equation(name, 0)])
 
     def vector(self, name: str, v: Any) -> Iterator[Block]:
         """Yield a column as a transposed row if it fits on a line, else its entries."""
         row = matrix([[self.write(x) for x in v]])
         displayed = self.displayed(name, scripts(row, None, markup("T")))
-        yield displayed or Equations(list(self.entries(name, v)) or [self.equation(name, 0)])
+        yield displayed or Aligned(list(self.entries(name, v)) or [self.equation(name, 0)])
 
     def displayed(self, name: str, *boxes: Box) -> Displayed | None:
         """Return ``name = boxes`` on a line of its own, None if it does not fit."""
@@ -99,7 +99,7 @@ class Writer:
         yield table
         if moved:
             yield Paragraph(["Here"])
-            yield Equations([moved[at] for at in sorted(moved)])
+            yield Aligned([moved[at] for at in sorted(moved)])
 
     def _listed(
         self, heads: Sequence[Formula], lines: Sequence[Sequence[Formula]]
@@ -107,11 +107,11 @@ class Writer:
         for number, *values in lines:
             yield Paragraph(["Row ", number, ":"])
             pairs = zip(heads[1:], values, strict=True)
-            yield Equations([Equation(head, value) for head, value in pairs])
+            yield Aligned([Equation(head, value) for head, value in pairs])
 
-    def definitions(self, constants: Mapping[Any, Any]) -> Equations:
+    def definitions(self, constants: Mapping[Any, Any]) -> Aligned:
         """Return what names stand for."""
-        return Equations([Equation(self.write(k), self.write(x)) for k, x in constants.items()])
+        return Aligned([Equation(self.write(k), self.write(x)) for k, x in constants.items()])
 
     def lines(self, equations: Iterable[Equation]) -> int:
         """Return how many lines equations take on the page."""

@@ -10,7 +10,7 @@ from moro_codegen.functions.arguments import Argument
 from moro_codegen.functions.catalogue import Function, System
 from moro_codegen.graph.nodes import Graph
 from moro_codegen.program import Program, routine
-from moro_codegen.signature import Parameter
+from moro_codegen.signature import RuntimeParameter
 
 EYE = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
@@ -30,7 +30,7 @@ def program(*functions, dof=3, parameters=(), name="hand_made"):
         name,
         dof,
         ("revolute",) * dof,
-        tuple(Parameter(name, default, "") for name, default in parameters),
+        tuple(RuntimeParameter(name, default, "") for name, default in parameters),
         tuple(routine(system, function) for function in functions),
     )
 
@@ -127,6 +127,17 @@ def affine(factor, name="affine"):
             lambda system, q: [[factor * x for x in q]],
         ),
         name=name,
+    )
+
+
+def sines(n):
+    """sin and cos of n angles."""
+    return Function(
+        f"sines_{n}",
+        (vector("q", n),),
+        (vector("sine", n), vector("cosine", n)),
+        "Sines and cosines.",
+        lambda system, q: [[system.graph.sin(x) for x in q], [system.graph.cos(x) for x in q]],
     )
 
 

@@ -47,7 +47,7 @@ def read(path: str | os.PathLike[str], *, warn: bool = True) -> RobotFile:
     # what the values say needs SymPy: a path or a text that is none is refused without
     from pydantic import ValidationError
 
-    from moro.formats.yaml.plausibility import remarks
+    from moro.formats.yaml.remarks import remarks
     from moro.formats.yaml.schema import Context, RobotFile, problems
 
     if "name" not in tree:

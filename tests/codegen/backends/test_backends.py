@@ -16,7 +16,7 @@ from moro.abc import q1
 from moro_codegen import registry
 from moro_codegen.backends import Backend, Opened, get, register
 from moro_codegen.emit.describe import docstring
-from moro_codegen.emit.statements import Assign, Call, Load, Sines, Turn, body
+from moro_codegen.emit.statements import Assign, Call, Load, ReduceAngles, Sines, body
 
 MATH = {"atan2": "arctan2", "asin": "arcsin", "acos": "arccos", "atan": "arctan", "fabs": "abs"}
 
@@ -47,7 +47,7 @@ class Toy(Backend):
                 yield f"{name} = {expression}"
             case Call(name, function, arguments):
                 yield f"{name} = np.{MATH.get(function, function)}({', '.join(arguments)})"
-            case Turn(names, angles, _):
+            case ReduceAngles(names, angles, _):
                 yield from map("{} = {}".format, names, angles)
             case Sines(angles, pairs, _):
                 for angle, pair in zip(angles, pairs, strict=True):

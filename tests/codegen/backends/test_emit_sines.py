@@ -3,24 +3,12 @@
 import mpmath
 import numpy as np
 import pytest
-from programs import program, vector
+from programs import program, sines
 
-from moro_codegen.functions.catalogue import Function
 from moro_codegen.pipeline import build
 
 COUNTS = range(1, 10)
 LIMIT = 1e5
-
-
-def sines(n):
-    """sin and cos of n angles."""
-    return Function(
-        f"sines_{n}",
-        (vector("q", n),),
-        (vector("sine", n), vector("cosine", n)),
-        "Sines and cosines.",
-        lambda system, q: [[system.graph.sin(x) for x in q], [system.graph.cos(x) for x in q]],
-    )
 
 
 @pytest.fixture(scope="module")

@@ -8,13 +8,12 @@ import mpmath
 import numpy as np
 import pytest
 from arms import NAMES, reference_model, reference_states
-from programs import everything_program, program, vector
+from programs import everything_program, program, sines
 
 import moro as mr
 import moro_codegen as mc
 from moro_codegen.backends.c_text import emit
 from moro_codegen.emit.statements import literal
-from moro_codegen.functions.catalogue import Function
 from moro_codegen.pipeline import build
 from moro_codegen.program import generate
 
@@ -25,16 +24,6 @@ STRICT = (
 
 def single_precision(one):
     return replace(one, scalar="float")
-
-
-def sines(n):
-    return Function(
-        f"sines_{n}",
-        (vector("q", n),),
-        (vector("sine", n), vector("cosine", n)),
-        "Sines and cosines.",
-        lambda system, q: [[system.graph.sin(x) for x in q], [system.graph.cos(x) for x in q]],
-    )
 
 
 @pytest.fixture(scope="module")

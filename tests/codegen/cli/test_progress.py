@@ -103,7 +103,7 @@ def test_an_error_ends_the_line(monkeypatch):
 def test_compiling_and_verifying_tell_each_function(monkeypatch, tmp_path):
     told = []
     monkeypatch.setattr(progress, "_watcher", lambda: lambda line, over: over.wait())
-    monkeypatch.setattr(progress.Line, "tell", lambda self, what: told.append(what))
+    monkeypatch.setattr(progress.ProgressLine, "tell", lambda self, what: told.append(what))
     robot = moro.load("two_link")
     functions = ("tau", ("gravity_vector", "inertia_matrix"))
     kernel = mc.compile(robot, functions=functions, directory=tmp_path, backend="numpy")

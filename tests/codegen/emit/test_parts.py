@@ -11,7 +11,7 @@ from programs import evaluate, everything_program
 from moro_codegen.backends import c_text as c
 from moro_codegen.backends.toolchain import LONG, find_compiler
 from moro_codegen.emit.parts import Keep, Take, in_parts
-from moro_codegen.emit.statements import Assign, Body, Call, Load, Sines, Turn, body
+from moro_codegen.emit.statements import Assign, Call, Load, ReduceAngles, RoutineBody, Sines, body
 from moro_codegen.pipeline import build
 from moro_codegen.program import generate
 
@@ -59,7 +59,7 @@ def test_every_value_is_where_it_is_read(length):
                 case Sines(angles, pairs, _):
                     assert known.issuperset(read(angles))
                     known.update(name for pair in pairs for name in pair)
-                case Turn(names, angles, _):
+                case ReduceAngles(names, angles, _):
                     assert known.issuperset(read(angles))
                     known.update(names)
                 case Assign(name, expression):
@@ -84,7 +84,7 @@ def read(expressions):
 
 
 def test_an_empty_routine():
-    assert in_parts(Body((), ("0.0",)), 1).steps == ((),)
+    assert in_parts(RoutineBody((), ("0.0",)), 1).steps == ((),)
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])

@@ -14,8 +14,8 @@ from moro.printing.typeset import latex, text, width
 from moro.report import sections
 from moro.report.page import (
     PAGE_WIDTH,
+    Aligned,
     Displayed,
-    Equations,
     Paragraph,
     Section,
     Tabular,
@@ -101,7 +101,7 @@ def blocks(robot, page):
 def test_nothing_is_wider_than_the_page(arm, kind):
     page = PAGE_WIDTH[kind]
     for block in blocks(arm, page):
-        if isinstance(block, Equations):
+        if isinstance(block, Aligned):
             lefts = max(width(equation.left) for equation in block.equations)
             assert lefts < page / 3
             for row in rows(block.equations, page):
@@ -153,7 +153,7 @@ def test_names_are_defined_once_and_before_they_are_used(arm):
     names = re.compile(r"(?:k|\\gamma )_\{\d+\}")
     for section in sections(writer(arm, PAGE_WIDTH["tex"]))[4:]:
         for block in section.blocks:
-            for equation in block.equations if isinstance(block, Equations) else ():
+            for equation in block.equations if isinstance(block, Aligned) else ():
                 found = set(names.findall(latex(equation.right)))
                 assert found <= set(defined)
                 used |= found
@@ -166,7 +166,7 @@ def test_christoffel_symbols_are_defined_before_they_are_used():
     (section,) = (
         x for x in sections(writer(symbolic_puma560(), 46.0)) if x.title.startswith("Coriolis")
     )
-    symbols, entries = (x for x in section.blocks if isinstance(x, Equations))
+    symbols, entries = (x for x in section.blocks if isinstance(x, Aligned))
     triple = re.compile(r"c_\{(\d\d\d)\}")
     defined = []
     for equation in symbols.equations:
@@ -295,7 +295,7 @@ def test_tables_of_words_become_lists():
     narrow = writer(planar(2), 20.0)
     lines = [[text(str(i))] for i in (1, 2)]
     found = list(narrow.table(["i", [text("words")]], [[x, [text("long" * 20)]] for x in lines]))
-    assert [type(x) for x in found] == [Paragraph, Equations] * 2
+    assert [type(x) for x in found] == [Paragraph, Aligned] * 2
 
 
 def test_rows_before_have_their_numbers():
@@ -327,7 +327,7 @@ def test_report_is_a_function_of_the_arm():
 
 def test_blocks_on_a_page():
     equation = Equation([text("left")], [text("a < b")])
-    content = [paragraph("x & $y_1$"), Equations([equation])]
+    content = [paragraph("x & $y_1$"), Aligned([equation])]
     page = render("T", [Section("S & T", content)], "html")
     assert "<h2>S &amp; T</h2>" in page
     assert "x &amp; <math><msub><mi>y</mi>" in page

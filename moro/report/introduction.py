@@ -17,7 +17,7 @@ from moro.report.writer import Writer
 _PAIRS = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 
-def given(writer: Writer) -> Iterator[Section]:
+def introduction(writer: Writer) -> Iterator[Section]:
     """Yield the section that describes the arm."""
     source = writer.source
     joints = _rows(writer, source) if isinstance(source, Description) else _joints(writer)
