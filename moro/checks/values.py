@@ -104,7 +104,7 @@ def number(value: Any, what: str) -> Any:
     return expr
 
 
-def constant(value: Any, what: str, variables: Iterable[Any]) -> Any:
+def constant(value: Any, what: str, variables: Iterable[Any] = ()) -> Any:
     """Return a scalar that depends neither on time nor on the joint variables."""
     expr = scalar(value, what)
     if moving(expr, variables):
@@ -112,11 +112,11 @@ def constant(value: Any, what: str, variables: Iterable[Any]) -> Any:
     return expr
 
 
-def not_negative(value: Any, what: str, variables: Iterable[Any]) -> Any:
+def not_negative(value: Any, what: str, variables: Iterable[Any] = ()) -> Any:
     """Return a constant that is not known to be negative."""
     expr = constant(value, what, variables)
     if constants.is_negative(expr):
-        raise ValueError(f"{what} must not be negative, not {expr}")
+        raise ValueError(f"{what} must not be negative, not {shown(expr)}")
     return expr
 
 
@@ -306,7 +306,8 @@ def limits(pair: Any, what: str) -> tuple[Any, Any]:
         raise ValueError(f"{what} must be (lower, upper), not {brief(pair)}")
     lower, upper = (number(x, what) for x in items)
     if lower > upper:
-        raise ValueError(f"{what} must be (lower, upper), but {lower} > {upper}")
+        found = f"{shown(lower)} > {shown(upper)}"
+        raise ValueError(f"{what} must be (lower, upper), but {found}")
     return lower, upper
 
 

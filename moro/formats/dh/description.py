@@ -55,6 +55,26 @@ class Description(Source):
             self._with_floats |= {"rows"}
         self._remark()
 
+    @classmethod
+    def of(cls, arm: Arm, name: str, defaults: Mapping[Any, Any]) -> Description:
+        """Return what a reader has checked, whose remarks are its own: exact values throughout.
+
+        ``defaults`` are those of parameters that it declares.
+        """
+        rows = [
+            (row.a, row.alpha, row.d, row.theta + row.variable, "r")
+            if row.type.is_angle
+            else (row.a, row.alpha, row.d + row.variable, row.theta, "p")
+            for row in arm.rows
+        ]
+        with unremarked():
+            new = cls(*rows, convention=read_convention(arm.convention), name=name)
+            for name in QUANTITIES:
+                if (values := getattr(arm, name)) is not None:
+                    new._set(name, values, values)
+        new.declare(defaults)
+        return new
+
     @property
     def convention(self) -> str:
         """Convention of the rows: "dh" (standard) or "mdh" (modified)."""

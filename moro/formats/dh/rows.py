@@ -31,7 +31,7 @@ CONVENTIONS: dict[str, Literal["dh", "mdh"]] = {
 _FORM = '(a, alpha, d, theta) or (a, alpha, d, theta, "r" or "p")'
 
 
-def read_convention(text: Any) -> Literal["dh", "mdh"]:
+def read_convention(text: Any, what: str = "convention") -> Literal["dh", "mdh"]:
     """Return the convention, "dh" or "mdh"; ValueError says which was meant."""
     word = text.strip().lower() if isinstance(text, str) else ""
     if word in ("dh", "mdh"):
@@ -39,7 +39,7 @@ def read_convention(text: Any) -> Literal["dh", "mdh"]:
     meant = CONVENTIONS.get(word)
     near = f'; did you mean "{meant}"?' if meant else checks.suggestion(word, ("dh", "mdh"))
     raise ValueError(
-        f'convention must be "dh" (standard) or "mdh" (modified), not {checks.brief(text)}{near}'
+        f'{what} must be "dh" (standard) or "mdh" (modified), not {checks.brief(text)}{near}'
     )
 
 

@@ -6,7 +6,7 @@ back from pydantic with its location; ``problems`` puts that in words.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NoReturn
 
@@ -27,11 +27,9 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from moro.checks import values as checks
-from moro.checks.constants import is_negative
 from moro.checks.meant import elsewhere
-from moro.checks.tensors import ENTRIES, FORMS, Rows, entry_name, listed, rows_of
-from moro.checks.values import shown
-from moro.formats.dh.rows import CONVENTIONS
+from moro.checks.tensors import FORMS
+from moro.formats.dh.rows import read_convention
 from moro.formats.yaml import names
 from moro.formats.yaml.document import MAX_ITEMS, List, Scalar, Table, place
 from moro.formats.yaml.errors import Problem, nearest
@@ -106,21 +104,20 @@ def _number(node: object, info: ValidationInfo) -> Any:
         _refuse(str(error))
 
 
-def _constant(value: Any) -> Any:
-    if value.free_symbols:
-        _refuse(f"`{value}` depends on a parameter; expected a constant")
-    return value
+def _checked(check: Callable[..., Any], value: Any) -> Any:
+    """Return what a check of moro's makes of a value; the place says what the value is of."""
+    try:
+        return check(value, "")
+    except (TypeError, ValueError) as error:
+        _refuse(str(error).strip())
 
 
-def _not_negative(value: Any) -> Any:
-    if is_negative(value):
-        _refuse(f"{shown(value)} is negative; expected 0 or more")
-    return value
+def _must(check: Callable[..., Any]) -> AfterValidator:
+    return AfterValidator(lambda value: _checked(check, value))
 
 
 Number = Annotated[Any, PlainValidator(_number)]
-Constant = Annotated[Number, AfterValidator(_constant)]
-NotNegative = Annotated[Number, AfterValidator(_not_negative)]
+NotNegative = Annotated[Number, _must(checks.not_negative)]
 
 # --- lists of numbers ----------------------------------------------------------------------------
 
@@ -155,7 +152,7 @@ Acceleration = Annotated[
 def _tensor_shape(node: object) -> List | Table:
     expected = f"{FORMS}, or 3 rows of 3, in kg m^2, about the centre of mass"
     if isinstance(node, Table):
-        return _renamed(node)
+        return node
     rows = _listed(node, (3, 6), expected)
     nested = [isinstance(row, List) for row in rows]
     if any(nested) and not (len(rows) == 3 and all(nested)):
@@ -164,43 +161,6 @@ def _tensor_shape(node: object) -> List | Table:
         if isinstance(row, List) and len(row) != 3:
             _refuse(f"found a row that is {_found(row)}; expected {expected}")
     return rows
-
-
-def _renamed(node: Table) -> Table:
-    """Return named entries under the names of ``ENTRIES``, which Ixx and ixx are read as."""
-    found = Table(node.line)
-    for key, value in node.items():
-        name = entry_name(key)
-        if name in found:
-            _refuse(f"gives `{name}` twice")
-        found[name] = value
-        found.lines[name] = node.lines[key]
-    return found
-
-
-def _tensor(values: Any) -> Rows:
-    """Return the 3x3 matrix, symmetric, that 3, 6, 9 or named values stand for."""
-    if isinstance(values, BaseModel):
-        return rows_of({name: getattr(values, name) for name in ENTRIES})
-    if not isinstance(values[0], tuple):
-        return listed(values)
-    if found := checks.asymmetry(values):
-        _refuse(f"is not symmetric: {found}")
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = values
-    return ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
-
-
-class Moments(BaseModel):
-    """A tensor by its entries; products of inertia are entries of the matrix, sign included."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
-
-    xx: Number = Field(description="the moment of inertia Ixx, in kg m^2")
-    yy: Number = Field(description="the moment of inertia Iyy, in kg m^2")
-    zz: Number = Field(description="the moment of inertia Izz, in kg m^2")
-    xy: Number = sympy.Integer(0)
-    xz: Number = sympy.Integer(0)
-    yz: Number = sympy.Integer(0)
 
 
 def _form(node: Any) -> str:
@@ -212,10 +172,10 @@ def _form(node: Any) -> str:
 Tensor = Annotated[
     Annotated[tuple[Number, ...], Tag("values")]
     | Annotated[tuple[tuple[Number, ...], ...], Tag("rows")]
-    | Annotated[Moments, Tag("named")],
+    | Annotated[dict[str, Number], Tag("named")],
     Discriminator(_form),
     BeforeValidator(_tensor_shape),
-    AfterValidator(_tensor),
+    _must(checks.tensor),
 ]
 
 
@@ -223,14 +183,7 @@ def _range_shape(node: object) -> List:
     return _listed(node, (2,), "[lower, upper] in rad or m")
 
 
-def _in_order(limits: tuple[Any, ...]) -> tuple[Any, ...]:
-    lower, upper = limits
-    if lower > upper:
-        _refuse(f"the lower limit {shown(lower)} is above the upper one, {shown(upper)}")
-    return limits
-
-
-Range = Annotated[tuple[Constant, ...], BeforeValidator(_range_shape), AfterValidator(_in_order)]
+Range = Annotated[tuple[Number, ...], BeforeValidator(_range_shape), _must(checks.limits)]
 
 
 def _coulomb_shape(node: object) -> List:
@@ -283,16 +236,10 @@ JointType = Annotated[
 ]
 Convention = Annotated[
     Literal["dh", "mdh"],
-    _choice(
-        "dh",
-        "mdh",
-        read={"dh": "dh", "mdh": "mdh"},
-        also={
-            word: f"the standard, or distal, one is `{CONVENTIONS[word]}`"
-            if CONVENTIONS[word] == "dh"
-            else f"the modified, or proximal, one is `{CONVENTIONS[word]}`"
-            for word in CONVENTIONS
-        },
+    PlainValidator(
+        lambda node: _checked(
+            read_convention, node.text if isinstance(node, Scalar) else _found(node)
+        )
     ),
 ]
 
@@ -322,7 +269,7 @@ def _parameter_name(name: str, info: ValidationInfo) -> sympy.Symbol:
 def _default(node: object, info: ValidationInfo) -> Any:
     if isinstance(node, Scalar) and node.kind == "null":
         return None
-    return _constant(_number(node, info))
+    return _checked(checks.number, _number(node, info))
 
 
 # --- mappings ------------------------------------------------------------------------------------
@@ -451,6 +398,5 @@ def _decimal_comma(tree: Table, location: tuple[Any, ...]) -> tuple[tuple[Any, .
 def _model(location: tuple[Any, ...]) -> type[BaseModel]:
     """Return the class of the mapping that the field at ``location`` is in."""
     if location[0] == "links" and len(location) > 2:
-        inner: dict[Any, type[BaseModel]] = {"friction": Friction, "inertia": Moments}
-        return inner.get(location[2], Link) if len(location) > 3 else Link
+        return Friction if len(location) > 3 and location[2] == "friction" else Link
     return RobotFile

@@ -95,7 +95,7 @@ def test_things(action, error, said):
         (
             "a.yaml",
             ROWS + "a: 1, mass: 1, com: [0, 0, 0], inertia: {ixx: 1, yy: 1, zz: 1, ab: 3}}\n",
-            "links[1].inertia.ab: unknown field; known are xx, yy, zz, xy, xz, yz",
+            "links[1].inertia: has an entry ab; its entries are xx, yy, zz, xy, xz, yz",
         ),
     ],
 )

@@ -263,7 +263,7 @@ class TestWrongValues:
         ("pair", "error", "message"),
         [
             ((1, -1), ValueError, r"must be \(lower, upper\), but 1 > -1"),
-            ((1.5, 1), ValueError, r"must be \(lower, upper\), but 3/2 > 1"),
+            ((1.5, 1), ValueError, r"must be \(lower, upper\), but 1.5 > 1"),
             ((float("nan"), 1), ValueError, "must be finite, not nan"),
             ((0, float("inf")), ValueError, "must be finite, not inf"),
             ((-sp.oo, 0), ValueError, "must be finite, not -oo"),
