@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from moro.formats.yaml.errors import Problem, RobotFileError, RobotFileWarning, nearest
+from moro.formats.errors import Problem, RobotFileError, RobotFileWarning, nearest
 
 if TYPE_CHECKING:
     from moro.formats.dh.description import Description

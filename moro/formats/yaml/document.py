@@ -14,7 +14,7 @@ from typing import Any, NoReturn, TypeAlias
 
 import yaml
 
-from moro.formats.yaml.errors import Problem
+from moro.formats.errors import Problem
 
 #: bytes of a file
 MAX_SIZE = 4_000_000

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple, NoReturn, TypeAlias
 import sympy
 
 from moro.checks.constants import MAX_MAGNITUDE, RANGE, is_sane, is_zero, numeric
-from moro.formats.yaml.errors import nearest
+from moro.formats.errors import nearest
 
 Expr: TypeAlias = Any
 

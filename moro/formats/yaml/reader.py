@@ -8,10 +8,11 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from moro.checks import meant
 from moro.checks.callers import outside
+from moro.formats import names
 from moro.formats import recognition as formats
-from moro.formats.yaml import names
+from moro.formats.errors import Problem, RobotFileError, RobotFileWarning
+from moro.formats.files import contents
 from moro.formats.yaml.document import (
     MAX_ITEMS,
     MAX_SIZE,
@@ -21,10 +22,12 @@ from moro.formats.yaml.document import (
     compose,
     place,
 )
-from moro.formats.yaml.errors import Problem, RobotFileError, RobotFileWarning
 
 if TYPE_CHECKING:
     from moro.formats.yaml.schema import RobotFile
+
+#: suffixes of files of ours
+_KINDS = (".yaml", ".yml")
 
 
 def read(path: str | os.PathLike[str], *, warn: bool = True) -> RobotFile:
@@ -68,25 +71,8 @@ def read(path: str | os.PathLike[str], *, warn: bool = True) -> RobotFile:
 
 def _text(path: Path, shown: str) -> str:
     """Return what is in the file."""
-
-    def refuse(message: str, line: int | None = None) -> RobotFileError:
-        return RobotFileError(shown, [Problem(line, "", message)])
-
-    try:
-        with path.open("rb") as stream:
-            data = stream.read(MAX_SIZE + 1)
-    except FileNotFoundError:
-        raise refuse(f"no such file{_neighbour(path)}") from None
-    except IsADirectoryError:
-        raise refuse("is a folder; expected a robot file") from None
-    except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise refuse(f"cannot be read: {reason}") from None
-    if len(data) > MAX_SIZE:
-        raise refuse(
-            f"is larger than {MAX_SIZE // 1_000_000} MB; an arm has at most {MAX_ITEMS} links,"
-            " which take a few kB"
-        )
+    at_most = f"an arm has at most {MAX_ITEMS} links, which take a few kB"
+    data = contents(path, shown, MAX_SIZE, at_most, _KINDS)
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -94,14 +80,4 @@ def _text(path: Path, shown: str) -> str:
         found = f"byte 0x{data[error.start]:02X}"
         if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
             found = "it is UTF-16"
-        raise refuse(f"is not UTF-8 text ({found})", line) from None
-
-
-def _neighbour(path: Path) -> str:
-    """Name a robot file in the same folder with a similar name."""
-    try:
-        found = {x.stem: x for x in path.parent.iterdir() if x.suffix in (".yaml", ".yml")}
-    except OSError:
-        return ""
-    name = path.stem if path.stem in found else meant.nearest(path.stem, found)
-    return f"; did you mean `{found[name]}`?" if name else ""
+        raise RobotFileError(shown, [Problem(line, "", f"is not UTF-8 text ({found})")]) from None

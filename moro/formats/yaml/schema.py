@@ -29,10 +29,10 @@ from pydantic_core import PydanticCustomError
 from moro.checks import values as checks
 from moro.checks.meant import elsewhere
 from moro.checks.tensors import FORMS
+from moro.formats import names
 from moro.formats.dh.rows import read_convention
-from moro.formats.yaml import names
+from moro.formats.errors import Problem, nearest
 from moro.formats.yaml.document import MAX_ITEMS, List, Scalar, Table, place
-from moro.formats.yaml.errors import Problem, nearest
 from moro.formats.yaml.expressions import JOINT_VARIABLE, RESERVED, ExpressionError, parse, quoted
 
 MAX_LINKS = MAX_ITEMS
