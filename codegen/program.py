@@ -124,8 +124,8 @@ def assembled(
     meanings = {parameter.symbol: parameter.meaning for parameter in model.parameters}
     return Program(
         model.name,
-        model.dof,
-        tuple(joint.type.name for joint in model.joints),
+        model.nv,
+        tuple(kind.name for kind in model.types),
         tuple(
             RuntimeParameter(str(s), None if x is None else float(x), meanings.get(s, ""))
             for s, x in defaults.items()
@@ -167,7 +167,7 @@ def without_unused(routines: Sequence[Routine]) -> tuple[tuple[Routine, ...], li
 def routine(system: System, function: Function) -> Routine:
     """Return the routine of one function."""
     build = partial(function.build, system)
-    return arranged(function, system.graph, system.model.dof, build, system.passes)
+    return arranged(function, system.graph, system.model.nv, build, system.passes)
 
 
 def arranged(

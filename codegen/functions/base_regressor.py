@@ -60,7 +60,7 @@ def regressor(model: Model, zeros: bool | None = None) -> Function:
                 return columns[len(PARAMETERS) * link + PARAMETERS.index(name)]
             sign = system.graph.sign(qd[link])
             own = {"IA": qdd[link], "FV": qd[link], "FC": sign, "FD": sign * sign}[name]
-            return [own if i == link else 0 for i in range(model.dof)]
+            return [own if i == link else 0 for i in range(model.nv)]
 
         rows = zip(*(column(*parameter.leader) for parameter in base), strict=True)
         values = map(Converter(system.graph, system.parameters), base.values)

@@ -10,13 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import chain
 from typing import Any
 
 from moro.algorithms.articulated_body import joint_accelerations
 from moro.algorithms.composite_rigid_body import joint_inertia
 from moro.algorithms.coriolis import joint_coriolis
-from moro.algorithms.drives import drive_torques
+from moro.algorithms.coordinates import displacements
+from moro.algorithms.drives import Functions, drive_torques, spring_energy, spring_torques
 from moro.algorithms.energies import energy_of_motion, energy_of_position
 from moro.algorithms.external_wrench import joint_torques_in_contact
 from moro.algorithms.factorization import factorized, solution
@@ -54,11 +56,11 @@ class System:
     @property
     def rotors(self) -> list[Scalar]:
         """The rotor inertias."""
-        return [0 if self.rigid else joint.rotor_inertia for joint in self.model.joints]
+        return [0 if self.rigid else x.drive.rotor_inertia for x in self.model.coordinates]
 
     def posture(self, q: Sequence[Node]) -> Posture:
-        """Return the arm with its joints at q."""
-        angles = [x + joint.offset for x, joint in zip(q, self.model.joints, strict=True)]
+        """Return the arm at q."""
+        angles = displacements(self.model, q)
         pairs = [(self.graph.sin(angle), self.graph.cos(angle)) for angle in angles]
         return posture(self.model, q, pairs)
 
@@ -93,11 +95,16 @@ class System:
         arm = self.with_tip(q)
         return fewest((algorithm(x) for x in rearranged(arm, self.passes)), self.graph)
 
-    def drives(self, qd: Sequence[Node], qdd: Sequence[Scalar]) -> tuple[Scalar, ...]:
-        """Return the torques of rotor inertia and friction."""
+    def drives(
+        self, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Scalar]
+    ) -> Sequence[Scalar]:
+        """Return the torques of rotor inertia, friction and springs."""
+        springs = spring_torques(self.model, q)
         if self.rigid:
-            return (0,) * self.model.dof
-        return drive_torques(self.model, qd, qdd, self.graph.sign)
+            return springs
+        call = self.graph.call
+        functions = Functions(self.graph.sign, partial(call, "tanh"), partial(call, "exp"))
+        return _sum(drive_torques(self.model, qd, qdd, functions), springs)
 
 
 @dataclass(frozen=True)
@@ -144,7 +151,7 @@ def own_parameters(functions: Iterable[Function]) -> dict[Any, Any]:
 
 def _tau(system: System, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]) -> Outputs:
     tau = system.dynamics(system.posture(q), lambda arm: joint_torques(arm, qd, qdd))
-    return [_sum(tau, system.drives(qd, qdd))]
+    return [_sum(tau, system.drives(q, qd, qdd))]
 
 
 def _tau_with_wrench(
@@ -158,18 +165,19 @@ def _tau_with_wrench(
         return joint_torques_in_contact(arm, qd, qdd, wrench)
 
     tau = system.dynamics(system.with_tip(q), rigid)
-    return [_sum(tau, system.drives(qd, qdd))]
+    return [_sum(tau, system.drives(q, qd, qdd))]
 
 
 def _bias(system: System, q: Sequence[Node], qd: Sequence[Node]) -> Outputs:
-    still = [0] * system.model.dof
+    still = [0] * system.model.nv
     bias = system.dynamics(system.posture(q), lambda arm: joint_torques(arm, qd, still))
-    return [_sum(bias, system.drives(qd, still))]
+    return [_sum(bias, system.drives(q, qd, still))]
 
 
 def _gravity_vector(system: System, q: Sequence[Node]) -> Outputs:
-    still = [0] * system.model.dof
-    return [system.dynamics(system.posture(q), lambda arm: joint_torques(arm, still, still))]
+    still = [0] * system.model.nv
+    gravity = system.dynamics(system.posture(q), lambda arm: joint_torques(arm, still, still))
+    return [_sum(gravity, spring_torques(system.model, q))]
 
 
 def _inertia_matrix(system: System, q: Sequence[Node]) -> Outputs:
@@ -184,21 +192,23 @@ def _coriolis_matrix(system: System, q: Sequence[Node], qd: Sequence[Node]) -> O
 def _forward_dynamics(
     system: System, q: Sequence[Node], qd: Sequence[Node], tau: Sequence[Node]
 ) -> Outputs:
-    still, rotors = [0] * system.model.dof, system.rotors
+    still, rotors = [0] * system.model.nv, system.rotors
     if joints := unresisted(system.model, rotors):
         raise singular(system.model, joints)
-    left = [x - y for x, y in zip(tau, system.drives(qd, still), strict=True)]
+    left = [x - y for x, y in zip(tau, system.drives(q, qd, still), strict=True)]
 
     def by_articulated_bodies(arm: Posture) -> Sequence[Scalar]:
         return joint_accelerations(arm, rotors, qd, left)
 
     def by_factorization(arm: Posture) -> Sequence[Scalar]:
         bias = joint_torques(arm, qd, still)
-        factors = factorized(joint_inertia(arm, rotors), arm.links)
+        factors = factorized(joint_inertia(arm, rotors), arm)
         return solution(factors, [x - y for x, y in zip(left, bias, strict=True)])
 
+    arm = system.posture(q)
+    algorithms = (by_articulated_bodies, by_factorization)
     try:
-        return [system.dynamics(system.posture(q), by_articulated_bodies, by_factorization)]
+        return [system.dynamics(arm, *(algorithms if _one_to_one(arm) else algorithms[1:]))]
     except ZeroDivisionError:  # whatever the run-time parameters are
         raise singular(system.model) from None
 
@@ -220,7 +230,7 @@ def _forward_dynamics_derivatives(
 
     def derivatives(arm: Posture) -> Sequence[Scalar]:
         """M dqdd = dtau - (dtau/dq) dq - (dtau/dqd) dqd, for the qdd that tau causes."""
-        n, factors = len(q), factorized(joint_inertia(arm, system.rotors), arm.links)
+        n, factors = len(q), factorized(joint_inertia(arm, system.rotors), arm)
         by_q, by_qd = _slopes(system, arm, q, qd, qdd)
         by_tau = [system.graph.constant(int(i == j)) for i in range(n) for j in range(n)]
         slopes = []
@@ -236,7 +246,7 @@ def _slopes(
     system: System, arm: Posture, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]
 ) -> tuple[list[Node], list[Node]]:
     """Return d tau/dq and d tau/dqd, flat."""
-    tau = _sum(joint_torques(arm, qd, qdd), system.drives(qd, qdd))
+    tau = _sum(joint_torques(arm, qd, qdd), system.drives(q, qd, qdd))
     nodes = [system.graph.constant(x) for x in tau]
     return _flat(jacobian(nodes, q)), _flat(jacobian(nodes, qd))
 
@@ -265,7 +275,16 @@ def _kinetic_energy(system: System, q: Sequence[Node], qd: Sequence[Node]) -> Ou
 
 
 def _potential_energy(system: System, q: Sequence[Node]) -> Outputs:
-    return [system.geometry(q, lambda arm: [energy_of_position(arm)])]
+    (gravity,) = system.geometry(q, lambda arm: [energy_of_position(arm)])
+    return [[gravity + spring_energy(system.model, q)]]
+
+
+def _one_to_one(arm: Posture) -> bool:
+    """Return whether each coordinate moves one joint of its own, by 1 or -1."""
+    ratios = [ratio for link in arm.links for _, ratio in link.terms]
+    return len(ratios) == len(arm.links) == arm.nv and all(
+        ratio.op == "const" and abs(ratio.value) == 1 for ratio in ratios
+    )
 
 
 def _of_no_robot(*_: object) -> Outputs:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from moro.algorithms.composite_rigid_body import joint_inertia
+from moro.algorithms.coordinates import displacements
 from moro.algorithms.posture import posture
 from moro.model import Model
 from moro.spatial.vectors import Scalar
@@ -27,9 +28,8 @@ def unresisted(model: Model, rotors: Sequence[Scalar]) -> list[int]:
         model, inertias = model.map(_number), [_number(x) for x in rotors]
     except TypeError:
         return []
-    q = [float(x) for x in np.random.default_rng(0).uniform(-3, 3, model.dof)]
-    angles = [x + joint.offset for x, joint in zip(q, model.joints, strict=True)]
-    arm = posture(model, q, [(np.sin(x), np.cos(x)) for x in angles])
+    q = [float(x) for x in np.random.default_rng(0).uniform(-3, 3, model.nv)]
+    arm = posture(model, q, [(np.sin(x), np.cos(x)) for x in displacements(model, q)])
     M = np.array(joint_inertia(arm, inertias), dtype=float)
     felt = np.diag(M)
     light = felt <= LIGHTEST * felt.max()

@@ -15,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 import sympy as sp
 
-from moro.algorithms.drives import drive_torques
+from moro.algorithms.coordinates import displacements
+from moro.algorithms.drives import Functions, drive_torques, spring_torques
 from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import posture
 from moro.model import Model
@@ -36,13 +37,11 @@ def exact_tau(
     with mpmath.workdps(DIGITS):
         precise = model.map(_number)
         x, xd, xdd = ([mpmath.mpf(float(number)) for number in row] for row in (q, qd, qdd))
-        angles = [
-            position + joint.offset for position, joint in zip(x, precise.joints, strict=True)
-        ]
-        pairs = [(mpmath.sin(angle), mpmath.cos(angle)) for angle in angles]
+        pairs = [(mpmath.sin(angle), mpmath.cos(angle)) for angle in displacements(precise, x)]
         rigid = joint_torques(posture(precise, x, pairs), xd, xdd)
-        drives = drive_torques(precise, xd, xdd, mpmath.sign)
-        return [body + drive for body, drive in zip(rigid, drives, strict=True)]
+        functions = Functions(mpmath.sign, mpmath.tanh, mpmath.exp)
+        drives = drive_torques(precise, xd, xdd, functions)
+        return list(map(sum, zip(rigid, drives, spring_torques(precise, x), strict=True)))
 
 
 def tau_errors(kernel: Kernel, model: Model, q: Array, qd: Array, qdd: Array) -> Array:

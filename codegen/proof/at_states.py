@@ -46,19 +46,20 @@ def matrices(model: Model, values: Mapping[Any, Any], qd: Array) -> tuple[Array,
     may be complex.
     """
     form = ClosedForm(model, DualRing(model.qs, values))
-    joints = _Joints.of(form)
+    joints, A = _Joints.of(form), _ratios(form)
     M, C = (np.zeros((form.n, *qd.shape), np.result_type(qd, form.ring.one.value)) for _ in "MC")
-    for i in range(form.n):
-        moving = sorted([i, *model.ancestors(i)])  # link i does not feel other joints
-        own = np.ix_(moving, moving)
-        factors, p = _link(form, i, joints.some(moving), qd[moving], moving)
+    for i in range(len(model.bodies)):
+        moving, carrying = model.moving(i), sorted([i, *model.ancestors(i)])
+        own = np.ix_(moving, moving)  # link i does not feel other joints
+        ratios = A[np.ix_(moving, carrying)] if model.is_coupled else None
+        factors, p = _link(form, i, joints.some(carrying, moving), ratios, qd[moving], moving)
         for u, v in factors:
             M[own] += _outer(u.value, v.value)
             rate = _outer(_rate(u, qd[moving]), v.value) + _outer(u.value, _rate(v, qd[moving]))
             C[own] += rate / 2
         C[own] += (np.swapaxes(p.gradient, 0, 1) - p.gradient) / 2
-    for j, joint in enumerate(model.joints):
-        M[j, j] += form.ring.convert(joint.rotor_inertia).value
+    for j, x in enumerate(model.coordinates):
+        M[j, j] += form.ring.convert(x.drive.rotor_inertia).value
     return M, C, np.array([x.value for x in form.gravity_vector])
 
 
@@ -78,20 +79,28 @@ class _Joints:
         return cls((z[0] * turns, z[1] * turns, z[2] * turns),
                    (z[0] * slides, z[1] * slides, z[2] * slides), anchors)  # fmt: skip
 
-    def some(self, chosen: Sequence[int]) -> _Joints:
-        """Return some of the joints."""
+    def some(self, chosen: Sequence[int], moving: Sequence[int]) -> _Joints:
+        """Return some of the joints, with the derivatives by some coordinates."""
 
         def part(v: Vector) -> Vector:
-            x, y, z = (Dual(x.value[chosen], x.gradient[np.ix_(chosen, chosen)]) for x in v)
+            x, y, z = (Dual(x.value[chosen], x.gradient[np.ix_(moving, chosen)]) for x in v)
             return x, y, z
 
         return _Joints(part(self.turning), part(self.sliding), part(self.anchors))
 
 
 def _link(
-    form: ClosedForm, i: int, joints: _Joints, qd: Array, moving: Sequence[int]
+    form: ClosedForm,
+    i: int,
+    joints: _Joints,
+    ratios: Array | None,
+    qd: Array,
+    moving: Sequence[int],
 ) -> tuple[list[tuple[Dual, Dual]], Dual]:
-    """Return what link i adds: pairs (u, v) of M = sum of u v^T, and p = M qd with qd fixed."""
+    """Return what link i adds: pairs (u, v) of M = sum of u v^T, and p = M qd with qd fixed.
+
+    ``joints`` are those that carry the link; ``ratios``, coordinates by joints, are A^T (None: 1).
+    """
 
     def alike(v: Vector) -> Vector:
         x, y, z = (_alike(component, moving) for component in v)
@@ -109,6 +118,8 @@ def _link(
     J = product(product(R, J), transpose(R))
     Jw = joints.turning
     Jv = add(cross(Jw, difference_of(alike(origin), joints.anchors)), joints.sliding)
+    if ratios is not None:
+        Jv, Jw = (_in_coordinates(v, ratios) for v in (Jv, Jw))
 
     def momenta(v: Vector, w: Vector) -> tuple[Vector, Vector]:
         """Return linear and angular momentum, m v + w x h and J w + h x v."""
@@ -121,6 +132,15 @@ def _link(
     return list(zip((*Jv, *Jw), (*linear, *angular), strict=True)), dot(Jv, f) + dot(Jw, n)
 
 
+def _ratios(form: ClosedForm) -> Array:
+    """Return A^T over the states (coordinates, joints, states)."""
+    A = np.zeros((form.n, len(form.model.joints), *form.ring.one.value.shape))
+    for k, row in enumerate(form.geometry.terms):
+        for j, ratio in row:
+            A[j, k] = ratio if isinstance(ratio, int) else ratio.value.real
+    return A
+
+
 # -- dual numbers over joints and states: value (joints, states), gradient (by, joints, states) ----
 
 
@@ -129,6 +149,17 @@ def _over_joints(vectors: Sequence[Vector]) -> Vector:
     x, y, z = (
         Dual(np.stack([x.value for x in same]), np.stack([x.gradient for x in same], axis=1))
         for same in zip(*vectors, strict=True)
+    )
+    return x, y, z
+
+
+def _in_coordinates(v: Vector, ratios: Array) -> Vector:
+    """Return the columns of a Jacobian over coordinates, from those over joints."""
+    x, y, z = (
+        Dual(
+            np.einsum("jks,ks->js", ratios, x.value), np.einsum("jks,gks->gjs", ratios, x.gradient)
+        )
+        for x in v
     )
     return x, y, z
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cached_property
 from time import thread_time
 from typing import Any, TypeAlias
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from moro.checks.constants import for_numpy
 from moro.closed_form import ClosedForm
-from moro.model import Model, as_model
+from moro.model import Drive, Model, as_model
 from moro.scalars.dual import DualRing
 from moro.scalars.trig import Trig, TrigRing
 from moro_codegen.proof import at_states
@@ -48,7 +48,7 @@ class SymbolicRoute:
     def __init__(self, robot: Any, time_limit: float = TIME_LIMIT):
         self.model = as_model(robot)
         # no names: a parameter of the model's may have any
-        self._velocities = [sp.Dummy(f"qd_{i}") for i in range(1, self.model.dof + 1)]
+        self._velocities = [sp.Dummy(f"qd_{i}") for i in range(1, self.model.nv + 1)]
         self._closed: _Closed | None = None
         with suppress(TimeoutError):
             self._closed = _Closed.of(self.model, self._velocities, TrigRing(time_limit))
@@ -76,7 +76,7 @@ class SymbolicRoute:
         self, q: NDArray[Any], qd: Array, parameters: Mapping[Any, float]
     ) -> tuple[Array, Array, Array]:
         """Return M, C (states, n, n) and G (states, n); q and qd, (states, n), may be complex."""
-        size = at_states.block(self.model.dof)
+        size = at_states.block(self.model.nv)
         parts = []
         for k in range(0, len(q), size):
             values = {**dict(zip(self.model.qs, q[k : k + size].T, strict=True)), **parameters}
@@ -96,7 +96,7 @@ class SymbolicRoute:
         """
         if self.is_closed_form:
             return len(q)
-        few = q[: at_states.block(self.model.dof)]
+        few = q[: at_states.block(self.model.nv)]
         start = thread_time()
         self.matrices(few, np.ones_like(few), parameters)
         return max(1, int(limit / (thread_time() - start) * len(few)))
@@ -191,8 +191,8 @@ class Dynamics:
 
     @cached_property
     def P(self) -> Array:
-        """The potential energy."""
-        energy: Array = _values(self._form.potential_energies).sum(axis=0)
+        """The potential energy, with that of springs."""
+        energy: Array = _values([*self._form.potential_energies, self._form.spring_energy]).sum(axis=0)
         return energy
 
     @cached_property
@@ -219,20 +219,21 @@ class Dynamics:
 
         By q in complex steps. C qd is quadratic in qd with symmetric c_ijk, so by qd they are 2 C.
         """
-        n, few = self.model.dof, self.few
+        n, few = self.model.nv, self.few
         steps = 1j * STEP * np.eye(n)[:, np.newaxis, :]  # one for each variable
         q = (self.q[few] + steps).reshape(-1, n)
         qd, qdd = (np.tile(x[few], (n, 1)) for x in (self.qd, self.qdd))
         M, C, G = self.route.matrices(q, qd, self.parameters)
         tau = np.imag(_apply(M, qdd) + _apply(C, qd) + G) / STEP
         by_q = np.moveaxis(tau.reshape(n, -1, n), 0, -1)
-        return by_q, 2 * self.C[few] + np.diag(self._drives[0])
+        friction = np.imag(self._frictions(self.qd[few] + 1j * STEP)) / STEP
+        return by_q, 2 * self.C[few] + friction[:, :, np.newaxis] * np.eye(n)
 
     @cached_property
     def few(self) -> NDArray[np.int_]:
         """The states for what takes long, by index."""
         complex_q = self.q[:DERIVATIVE_STATES] + 0j
-        count = self.route.affordable(complex_q, self.parameters, STATES_LIMIT) // self.model.dof
+        count = self.route.affordable(complex_q, self.parameters, STATES_LIMIT) // self.model.nv
         return spread(len(self.q), min(max(count, 1), DERIVATIVE_STATES))
 
     @cached_property
@@ -245,7 +246,7 @@ class Dynamics:
         felt = np.max(np.diagonal(self.M, axis1=1, axis2=2), axis=0)
         felt = np.sqrt(np.where(felt > 0, felt, 1.0))
         least = np.linalg.eigvalsh(self.M / felt / felt[:, np.newaxis])[:, 0]
-        regular: NDArray[np.bool_] = least > SINGULAR * self.model.dof * self.rounding
+        regular: NDArray[np.bool_] = least > SINGULAR * self.model.nv * self.rounding
         return regular
 
     @cached_property
@@ -256,19 +257,35 @@ class Dynamics:
 
     @cached_property
     def _friction(self) -> Array:
-        """Return viscous friction, and Coulomb's of either direction (states, n)."""
-        viscous, forwards, backwards = self._drives
-        coulomb = np.where(self.qd > 0, forwards, np.where(self.qd < 0, -backwards, 0))
-        friction: Array = viscous * self.qd + coulomb
+        """Return the friction of all drives (states, n)."""
+        return self._frictions(self.qd)
+
+    def _frictions(self, qd: NDArray[Any]) -> Array:
+        """Return the friction at these rates, which may be complex (states, n)."""
+        columns = []
+        for x, rate in zip(self.model.coordinates, qd.T, strict=True):
+            d = Drive(*(self._number(value) for value in astuple(x.drive)))
+            forwards, backwards = d.coulomb
+            if d.static is not None:
+                fading = np.exp(-((rate / d.stribeck_velocity) ** 2))
+                forwards = forwards + (d.static[0] - forwards) * fading
+                backwards = backwards + (d.static[1] - backwards) * fading
+            if d.width is None:
+                step = np.where(rate.real > 0, forwards, np.where(rate.real < 0, -backwards, 0))
+            else:
+                s = np.tanh(rate / d.width)
+                step = (forwards + backwards) / 2 * s + (forwards - backwards) / 2 * s * s
+            columns.append(d.viscous * rate + step)
+        friction: Array = np.stack(columns, axis=1)
         return friction
 
-    @cached_property
-    def _drives(self) -> Array:
-        """Return viscous friction and Coulomb's, forwards and backwards, each (n)."""
-        joints = self.model.joints
-        numbers = [x for joint in joints for x in (joint.viscous, *joint.coulomb)]
-        drives: Array = evaluated(numbers, self.parameters, 1).reshape(-1, 3).T
-        return drives
+    def _number(self, value: Any) -> Any:
+        """Return a value of a drive, or a pair of them, as numbers."""
+        if value is None:
+            return None
+        if isinstance(value, tuple):
+            return tuple(map(self._number, value))
+        return evaluated([value], self.parameters, 1).item()
 
 
 def evaluated(expressions: Iterable[Any], values: Mapping[Any, Any], states: int) -> Array:

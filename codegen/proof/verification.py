@@ -79,7 +79,7 @@ def _acceleration_derivatives(x: Dynamics, by_q: Array, by_qd: Array, by_tau: Ar
     for slope, of_tau in zip((by_q, by_qd), x.tau_slopes, strict=True):
         yield _product(-x.M[few], slope[few], of_tau[x.regular[x.few]])
     ok = x.regular
-    yield _product(x.M[ok], by_tau[ok], np.broadcast_to(np.eye(x.model.dof), x.M[ok].shape))
+    yield _product(x.M[ok], by_tau[ok], np.broadcast_to(np.eye(x.model.nv), x.M[ok].shape))
 
 
 def _product(M: Array, factor: Array, expected: Array) -> Pair:
@@ -258,10 +258,10 @@ def verify(
 
 def _check_alike(kernel: Kernel, model: Model) -> None:
     """Raise unless the kernel can be one of the robot."""
-    if kernel.dof != model.dof:
+    if kernel.dof != model.nv:
         raise ValueError(
             f"the kernel of {kernel.name} has {kernel.dof} joints, the robot {model.name} has "
-            f"{model.dof}: verify takes the robot that the kernel was made of"
+            f"{model.nv}: verify takes the robot that the kernel was made of"
         )
     if any(part.name not in CHECKS for s in kernel.signatures.values() for part in s.parts):
         return  # functions of one's own bring parameters that the robot does not have
@@ -321,10 +321,10 @@ def _errors(pair: Pair) -> Array:
 
 def _states(model: Model, states: int, rng: np.random.Generator) -> tuple[Array, Array, Array]:
     """Return states that the robot can be in: random ones first, then awkward ones."""
-    n, some = model.dof, states // 8
-    limits = np.array([joint.range for joint in model.joints], dtype=float)
+    n, some = model.nv, states // 8
+    limits = np.array(model.ranges, dtype=float)
     lower, upper = limits[:, 0], np.minimum(limits[:, 1], limits[:, 0] + 2 * math.pi)
-    revolute = np.array([joint.type.is_angle for joint in model.joints])
+    revolute = np.array([kind.is_angle for kind in model.types])
     q = rng.uniform(lower, upper, (states, n))
     turned = q[:some] + 2 * math.pi * _turns(q[:some], limits, revolute, rng)
     still = np.clip(np.zeros(n), lower, upper)

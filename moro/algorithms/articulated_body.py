@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from moro.algorithms.coordinates import generalized, joint_rates
 from moro.algorithms.newton_euler import body_wrench, forward_motion
 from moro.algorithms.posture import Link, Posture
 from moro.spatial.moments import Moments
@@ -82,14 +83,19 @@ class Yielding(NamedTuple):
 def joint_accelerations(
     arm: Posture, rotors: Sequence[Scalar], qd: Sequence[Scalar], tau: Sequence[Scalar]
 ) -> list[Scalar]:
-    """Return the joint accelerations that the torques (forces) ``tau`` cause, less friction.
+    """Return the accelerations qdd that the torques (forces) ``tau`` cause, less friction.
 
     They solve M(q) qdd + C(q, qd) qd + G(q) = tau, with the rotor inertias on M's diagonal. Divides
     by zero where M is singular: where a joint moves neither mass nor rotor.
+
+    Each coordinate must move one joint of its own, by 1 or -1: then A^-1 is A^T.
     """
-    motions = forward_motion(arm, qd, [0] * len(arm.links))
-    bias = [body_wrench(*pair) for pair in zip(arm.links, motions, strict=True)]
-    return accelerations(arm, yielding_joints(arm, rotors, bias, tau))
+    links = arm.links
+    motions = forward_motion(arm, qd, [0] * arm.nv)
+    bias = [body_wrench(*pair) for pair in zip(links, motions, strict=True)]
+    of_joints = [rotors[link.terms[0][0]] for link in links]
+    joints = yielding_joints(arm, of_joints, bias, joint_rates(links, tau))
+    return generalized(links, accelerations(arm, joints), arm.nv)
 
 
 def yielding_joints(

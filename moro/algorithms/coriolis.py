@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from moro.algorithms.coordinates import in_coordinates
 from moro.algorithms.posture import Link, Posture, ancestors, composites, velocities
 from moro.spatial.moments import Moments
 from moro.spatial.motion import Velocity, Wrench
@@ -76,7 +77,7 @@ def joint_coriolis(arm: Posture, qd: Sequence[Scalar]) -> list[list[Scalar]]:
             inner = links[i]
             C[i][j] = inner.type.along(column.change)
             C[j][i] = inner.type.against(motion[i], column.momentum, column.swirl)
-    return C
+    return in_coordinates(links, C, arm.nv)
 
 
 def composite_flows(arm: Posture, motion: Sequence[Velocity]) -> list[Flow]:

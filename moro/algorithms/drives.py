@@ -1,35 +1,65 @@
-"""What the drives add to the torques of the rigid bodies: rotor inertia and friction."""
+"""What drives add to the torques of the rigid bodies: rotor inertia, friction and springs.
+
+Everything is at the generalized coordinates [N m or N].
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
-from moro.model import Joint, Model
+from moro.model import Drive, Model
 from moro.spatial.vectors import Scalar
 
 
-def drive_torques(
-    model: Model,
-    qd: Sequence[Scalar],
-    qdd: Sequence[Scalar],
-    sign: Callable[[Scalar], Scalar],
-) -> tuple[Scalar, ...]:
-    """Return rotor_inertia qdd + viscous qd + coulomb(qd) of every joint [N m or N].
+class Functions(NamedTuple):
+    """What friction asks of the scalars besides ``+ - *``: of NumPy's, of a graph's, ..."""
 
-    ``sign`` returns -1, 0 or 1 (``numpy.sign``, a graph's ``sign``, ...).
-    """
+    #: -1, 0 or 1
+    sign: Callable[[Scalar], Scalar]
+    tanh: Callable[[Scalar], Scalar]
+    exp: Callable[[Scalar], Scalar]
+
+
+def drive_torques(
+    model: Model, qd: Sequence[Scalar], qdd: Sequence[Scalar], functions: Functions
+) -> tuple[Scalar, ...]:
+    """Return rotor_inertia qdd + friction(qd) at every coordinate."""
     return tuple(
-        joint.rotor_inertia * acceleration + friction(joint, velocity, sign)
-        for joint, velocity, acceleration in zip(model.joints, qd, qdd, strict=True)
+        x.drive.rotor_inertia * acceleration + friction(x.drive, rate, functions)
+        for x, rate, acceleration in zip(model.coordinates, qd, qdd, strict=True)
     )
 
 
-def friction(joint: Joint, qd: Scalar, sign: Callable[[Scalar], Scalar]) -> Scalar:
-    """Return the friction torque of a joint: viscous, and Coulomb's of either direction.
+def friction(drive: Drive, qd: Scalar, functions: Functions) -> Scalar:
+    """Return viscous qd + s (coulomb + (static - coulomb) exp(-(qd / stribeck_velocity)^2)).
 
-    With s = sign(qd), (p + n)/2 s + (p - n)/2 s^2 is p for qd > 0, -n for qd < 0, and 0 at rest.
+    Coulomb's and Stribeck's terms have two directions, which ``directed`` tells apart by s.
     """
-    positive, negative = joint.coulomb
-    s = sign(qd)
-    coulomb = s * ((positive + negative) / 2 + (positive - negative) / 2 * s)
-    return joint.viscous * qd + coulomb
+    smooth = drive.width is not None
+    s = functions.tanh(qd / drive.width) if smooth else functions.sign(qd)
+    (forward, backward), static = drive.coulomb, drive.static
+    total = drive.viscous * qd + directed(forward, backward, s)
+    if static is not None:
+        v = qd / drive.stribeck_velocity
+        total = total + directed(static[0] - forward, static[1] - backward, s) * functions.exp(-v * v)
+    return total
+
+
+def directed(forward: Scalar, backward: Scalar, s: Scalar) -> Scalar:
+    """Return (p + n)/2 s + (p - n)/2 s^2: p for s = 1, -n for s = -1, 0 for s = 0."""
+    return s * ((forward + backward) / 2 + (forward - backward) / 2 * s)
+
+
+def spring_torques(model: Model, q: Sequence[Scalar]) -> tuple[Scalar, ...]:
+    """Return stiffness (q - rest) at every coordinate, the gradient of the springs' energy."""
+    return tuple(
+        x.drive.stiffness * (position - x.drive.rest)
+        for x, position in zip(model.coordinates, q, strict=True)
+    )
+
+
+def spring_energy(model: Model, q: Sequence[Scalar]) -> Scalar:
+    """Return the sum of stiffness/2 (q - rest)^2 [J]."""
+    stretched = ((x.drive, qi - x.drive.rest) for x, qi in zip(model.coordinates, q, strict=True))
+    return sum(drive.stiffness * (x * x) for drive, x in stretched) / 2

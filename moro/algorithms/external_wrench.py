@@ -18,11 +18,11 @@ def joint_torques_in_contact(
     w = ``wrench`` is what the environment exerts on the link of the frame: force [N] and moment
     [N m] about the frame's origin, in the axes of frame 0, as the Jacobian has them.
     """
-    motions = forward_motion(arm, [*qd, 0], [*qdd, 0])
+    motions = forward_motion(arm, qd, qdd)
     wrenches = [body_wrench(*pair) for pair in zip(arm.links, motions, strict=True)]
     f, n = in_tip(arm, wrench)
     wrenches[-1] = Wrench(scaled(-1, f), scaled(-1, n))
-    return backward_torques(arm, wrenches)[:-1]
+    return backward_torques(arm, wrenches)
 
 
 def in_tip(arm: Posture, wrench: Sequence[Scalar]) -> Wrench:

@@ -11,25 +11,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from moro.algorithms.posture import Link, ancestors
+from moro.algorithms.coordinates import couplings
+from moro.algorithms.posture import Posture
 from moro.spatial.vectors import Scalar
 
 
 class Factors(NamedTuple):
-    """M = L^T D L: L is 1 on its diagonal, and 0 but for the columns of joints further in."""
+    """M = L^T D L: L is 1 on its diagonal, and 0 but for columns of coordinates further in."""
 
     L: list[list[Scalar]]
     #: 1 / D_j
     reciprocals: list[Scalar]
-    #: the joints further in than joint j, from its parent to the base
+    #: those further in that coordinate j is coupled with, the last first
     inner: list[list[int]]
 
 
-def factorized(M: Sequence[Sequence[Scalar]], links: Sequence[Link]) -> Factors:
-    """Return the factors of the inertia matrix of an arm with these links."""
+def factorized(M: Sequence[Sequence[Scalar]], arm: Posture) -> Factors:
+    """Return the factors of the inertia matrix of an arm."""
     L = [list(row) for row in M]
-    reciprocals, inner = [], [list(ancestors(links, j)) for j in range(len(links))]
-    for j in reversed(range(len(links))):
+    reciprocals, inner = [], couplings(arm.links, arm.nv)
+    for j in reversed(range(len(L))):
         reciprocals.append(1 / L[j][j])
         for place, i in enumerate(inner[j]):
             factor = L[j][i] * reciprocals[-1]

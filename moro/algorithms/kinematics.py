@@ -6,6 +6,7 @@ The frame counts as a further link, the last, that neither moves nor weighs anyt
 
 from __future__ import annotations
 
+from moro.algorithms.coordinates import generalized
 from moro.algorithms.posture import Link, Posture, ancestors
 from moro.model import Placement
 from moro.spatial.vectors import Scalar, Vector, add, product, times, transpose
@@ -41,9 +42,9 @@ def frame_jacobian(arm: Posture) -> list[list[Scalar]]:
     """
     links, frames = arm.links, poses(arm)
     tip = len(links) - 1
-    columns: list[tuple[Scalar, ...]] = [(0,) * 6] * tip
+    columns: list[tuple[Scalar, ...]] = [(0,) * 6] * len(links)
     for i in ancestors(links, tip):
         z, (x, y, w) = transpose(frames[i].R)[2], frames[i].p
         linear, angular = links[i].type.column(z, add(frames[tip].p, (-x, -y, -w)))
         columns[i] = (*linear, *angular)
-    return [list(row) for row in zip(*columns, strict=True)]
+    return [generalized(links, row, arm.nv) for row in zip(*columns, strict=True)]

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from moro.algorithms.coordinates import generalized, joint_rates
 from moro.algorithms.posture import Link, Posture
 from moro.spatial.motion import Motion, Wrench
 from moro.spatial.transform import wrench_in_parent
@@ -26,7 +27,7 @@ from moro.spatial.vectors import Scalar, Vector, add, cross, scaled, times
 
 
 def joint_torques(arm: Posture, qd: Sequence[Scalar], qdd: Sequence[Scalar]) -> tuple[Scalar, ...]:
-    """Return the joint torques (forces) of the rigid bodies: M(q) qdd + C(q, qd) qd + G(q).
+    """Return the torques (forces) of the rigid bodies at the coordinates: M qdd + C qd + G.
 
     SI units, angles in rad. Rotor inertia and friction are a term of their own:
     ``moro.algorithms.drives``.
@@ -42,7 +43,8 @@ def forward_motion(arm: Posture, qd: Sequence[Scalar], qdd: Sequence[Scalar]) ->
     zero: Vector = (0, 0, 0)
     base = Motion(zero, zero, (zero, zero, zero), (-x, -y, -z))
     motions: list[Motion] = []
-    for link, velocity, acceleration in zip(arm.links, qd, qdd, strict=True):
+    rates, accelerations = joint_rates(arm.links, qd), joint_rates(arm.links, qdd)
+    for link, velocity, acceleration in zip(arm.links, rates, accelerations, strict=True):
         parent = base if link.parent < 0 else motions[link.parent]
         motions.append(link.type.motion(link, parent, velocity, acceleration))
     return motions
@@ -65,11 +67,12 @@ def body_wrench(link: Link, motion: Motion) -> Wrench:
 def backward_torques(arm: Posture, wrenches: Sequence[Wrench]) -> tuple[Scalar, ...]:
     """Return the torques from the wrenches on the bodies, from the tips to the base.
 
-    f_p += R f,    n_p += R n + p x R f;    tau = what the joint bears of (f, n).
+    f_p += R f,    n_p += R n + p x R f;    tau_x = what the joint bears of (f, n),  tau = A^T tau_x.
     """
     total = list(wrenches)
     for i, link in reversed(list(enumerate(arm.links))):
         if link.parent >= 0:
             (f, n), onto = wrench_in_parent(link, total[i]), total[link.parent]
             total[link.parent] = Wrench(add(onto.f, f), add(onto.n, n))
-    return tuple(link.type.along(x) for link, x in zip(arm.links, total, strict=True))
+    borne = (link.type.along(x) for link, x in zip(arm.links, total, strict=True))
+    return tuple(generalized(arm.links, borne, arm.nv))

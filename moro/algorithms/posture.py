@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from moro.algorithms.coordinates import Terms, displacements, joint_rates
 from moro.model import PRISMATIC, JointType, Model, Placement
 from moro.spatial.moments import Moments
 from moro.spatial.motion import REST, Velocity
@@ -24,17 +25,21 @@ class Link(Transform):
     type: JointType
     #: index of the parent link, -1 for the base
     parent: int
-    #: q + offset of the joint: the angle of sin and cos, or how far p has moved along z
+    #: x of the joint: the angle of sin and cos, or how far p has moved along z
     position: Scalar
     body: Moments
+    #: how much each coordinate moves the joint
+    terms: Terms
 
 
 @dataclass(frozen=True)
 class Posture:
-    """A tree of links, parents first, and gravity in the axes of the base [m/s^2]."""
+    """A tree of links, parents first, moved by nv coordinates."""
 
     links: tuple[Link, ...]
+    #: in the axes of the base [m/s^2]
     gravity: Vector
+    nv: int
 
     @property
     def children(self) -> list[list[int]]:
@@ -49,34 +54,35 @@ class Posture:
 def posture(
     model: Model, q: Sequence[Scalar], sincos: Sequence[tuple[Scalar, Scalar] | None]
 ) -> Posture:
-    """Return the model with its joints at q: the one entrance to the algorithms.
+    """Return the model at q: the one entrance to the algorithms.
 
-    ``sincos[i]`` is the pair (sin, cos) of ``q_i + offset`` of a joint that turns; for another it
-    does not matter, and may be None. With arrays for scalars, many samples are computed at once.
+    ``sincos[i]`` is the pair (sin, cos) of the displacement of joint i (``displacements``) if it
+    turns; for another it does not matter, and may be None. With arrays for scalars, many samples
+    are computed at once.
     """
     links = []
-    for joint, body, x, pair in zip(model.joints, model.bodies, q, sincos, strict=True):
-        place, position = joint.placement, x + joint.offset
-        frame = joint.type.transform(place.R, place.p, position, pair or (0, 1))
+    ways = displacements(model, q)
+    for joint, body, x, pair in zip(model.joints, model.bodies, ways, sincos, strict=True):
+        frame = joint.type.transform(joint.placement.R, joint.placement.p, x, pair or (0, 1))
         links.append(
             Link(
                 frame.R, frame.p, frame.sin, frame.cos,
-                joint.type, joint.parent, position, body.moments,
+                joint.type, joint.parent, x, body.moments, joint.terms,
             )
         )  # fmt: skip
-    return Posture(tuple(links), model.gravity)
+    return Posture(tuple(links), model.gravity, model.nv)
 
 
 def with_frame(arm: Posture, link: int, placement: Placement) -> Posture:
     """Return the arm with a frame fixed in a link as a further link that weighs nothing."""
-    still = Link(placement.R, placement.p, 0, 1, PRISMATIC, link, 0, Moments(0))
+    still = Link(placement.R, placement.p, 0, 1, PRISMATIC, link, 0, Moments(0), ())
     return replace(arm, links=(*arm.links, still))
 
 
 def velocities(arm: Posture, qd: Sequence[Scalar]) -> list[Velocity]:
     """Return the velocity of every link."""
     found: list[Velocity] = []
-    for link, rate in zip(arm.links, qd, strict=True):
+    for link, rate in zip(arm.links, joint_rates(arm.links, qd), strict=True):
         parent = REST if link.parent < 0 else found[link.parent]
         found.append(link.type.moved(velocity_in_link(link, parent), rate))
     return found

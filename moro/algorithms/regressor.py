@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from moro.algorithms.coordinates import generalized
 from moro.algorithms.newton_euler import forward_motion
 from moro.algorithms.posture import Posture
 from moro.spatial.motion import REST, Motion, Velocity
@@ -38,7 +39,8 @@ def body_regressor(arm: Posture, qd: Sequence[Scalar], qdd: Sequence[Scalar]) ->
             of_moment = add(times(transpose(motion.U), lamda), cross(motion.a, zeta))
             of_mass = dot(lamda, motion.a)
             Y[j][size * i : size * (i + 1)] = [*of_inertia, *of_moment, of_mass]
-    return Y
+    columns = (generalized(arm.links, column, arm.nv) for column in zip(*Y, strict=True))
+    return [list(row) for row in zip(*columns, strict=True)]
 
 
 def joint_columns(arm: Posture) -> list[dict[int, Velocity]]:

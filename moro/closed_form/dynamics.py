@@ -29,9 +29,8 @@ class ClosedForm:
         self.model = model
         self.ring: Any = ring  # which of them, is known where results are used
         self.geometry = Geometry(model, ring)
-        for group, before in self.geometry.angles:
-            ring.declare_angles(group, before)
-        self.n = model.dof
+        ring.declare_angles(*self.geometry.angles)
+        self.n = model.nv
         self.qs = model.qs
 
     # -- the Jacobian route -----------------------------------------------------------------------
@@ -43,7 +42,7 @@ class ClosedForm:
         Jv is of the origin of the link's frame, about which h is the first moment and J the tensor.
         """
         M = [[self.ring.zero] * self.n for _ in range(self.n)]
-        for i in range(self.n):
+        for i in range(len(self.model.bodies)):
             self._add_link_inertia(M, i)
         for j in range(self.n):
             M[j][j] = M[j][j] + self._rotor_inertia(j)
@@ -90,9 +89,20 @@ class ClosedForm:
 
     @cached_property
     def gravity_vector(self) -> list[Scalar]:
-        """G = grad P."""
-        P = self._sum(self.potential_energies)
+        """G = grad P, springs included."""
+        P = self._sum(self.potential_energies) + self.spring_energy
         return [self.ring.diff(P, q) for q in self.qs]
+
+    @cached_property
+    def spring_energy(self) -> Scalar:
+        """Sum of 1/2 k_j (q_j - rest_j)^2."""
+        energy = self.ring.zero
+        for q, x in zip(self.qs, self.model.coordinates, strict=True):
+            if x.drive.stiffness != 0:
+                stretched = self.ring.convert(q - x.drive.rest)
+                stiffness = self.ring.convert(x.drive.stiffness)
+                energy = energy + stiffness * stretched * stretched * self.ring.half
+        return energy
 
     # -- the energy route -------------------------------------------------------------------------
 
@@ -155,7 +165,7 @@ class ClosedForm:
         return self._vector(self.model.gravity)
 
     def _rotor_inertia(self, i: int) -> Scalar:
-        return self.ring.convert(self.model.joints[i].rotor_inertia)
+        return self.ring.convert(self.model.coordinates[i].drive.rotor_inertia)
 
     def _vector(self, v: Vector) -> Vector:
         x, y, z = map(self.ring.convert, v)

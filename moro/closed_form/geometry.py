@@ -12,8 +12,9 @@ derivatives. Joints and links are counted from 0; -1 is the base.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, TypeAlias
 
@@ -31,16 +32,13 @@ from moro.spatial.vectors import (
     difference_of,
     dot,
     product,
+    scaled,
     times,
     transpose,
 )
 
 #: (rotation, position) of a frame
 Pose: TypeAlias = "tuple[Matrix, Vector]"
-
-#: of a segment: (joint variable, basic angle) of the joints that turn in it, and which of these
-#: angles each adds to (-1: none)
-_Group: TypeAlias = "tuple[list[tuple[Any, Any]], list[int]]"
 
 _ZERO = sp.Integer(0)
 
@@ -87,8 +85,6 @@ class _Place:
     segment: int = 0
     angle: Any = _ZERO
     flipped: bool = False
-    #: of its segment's basic angles, the one that the next joint's adds to; -1: none yet
-    basic: int = -1
 
     @property
     def sign(self) -> int:
@@ -106,10 +102,10 @@ class Geometry:
     def __init__(self, model: Model, ring: Ring):
         self.model = model
         self.ring = ring
-        walk = _walk(model)
+        walk = _Walk(model)
         self._places, self._ways, self._segments = walk.places, walk.ways, walk.segments
-        #: by segment, what ``DifferentialRing.declare_angles`` takes
-        self.angles = [group for group in walk.groups if group[0]]
+        #: what ``DifferentialRing.declare_angles`` takes, by segment
+        self.angles = walk.angles, walk.groups
 
     # -- in frame 0 -------------------------------------------------------------------------------
 
@@ -145,14 +141,16 @@ class Geometry:
         return found
 
     def jacobian(self, frame: Frame, r: Vector) -> list[list[Scalar]]:
-        """Return the columns (linear, angular) of all joints for a point given in a frame."""
+        """Return the columns (linear, angular) of the coordinates for a point in a frame."""
         R, p = self.pose(frame)
         point, zero = add(p, times(R, r)), self.ring.zero
-        columns = [[zero] * 6 for _ in self.model.joints]
+        columns = [[zero] * 6 for _ in self.model.coordinates]
         for k in self._carrying(frame.link):
             arm = difference_of(point, self.anchors[k])
             linear, angular = self.model.joints[k].type.column(self.axes[k], arm)
-            columns[k] = [*linear, *angular]
+            for j, ratio in self.terms[k]:
+                both = zip(columns[j], (*linear, *angular), strict=True)
+                columns[j] = [total + x * ratio for total, x in both]
         return columns
 
     @cached_property
@@ -189,10 +187,21 @@ class Geometry:
         return times(self._rotation(self._home(i).turned), v)
 
     def columns(self, i: int) -> Iterator[tuple[int, Vector, Vector]]:
-        """Yield (k, v, omega) for the joints k that move link i, per unit of their rates.
+        """Yield (j, v, omega) for the coordinates j that move link i, per unit of their rates.
 
         v is of the origin of the link's frame; both in the axes of the link's home segment.
         """
+        found: dict[int, tuple[Vector, Vector]] = {}
+        for k, v, w in self._joint_columns(i):
+            for j, ratio in self.terms[k]:
+                more = scaled(ratio, v), scaled(ratio, w)
+                old = found.get(j)
+                found[j] = more if old is None else (add(old[0], more[0]), add(old[1], more[1]))
+        for j, (v, w) in found.items():
+            yield j, v, w
+
+    def _joint_columns(self, i: int) -> Iterator[tuple[int, Vector, Vector]]:
+        """Yield (k, v, omega) for the joints k that move link i."""
         r, Q, segment = self._nowhere, self._identity, self._home(i).segment
         for link in self._carrying(i):
             for item in reversed(self._ways[link]):
@@ -209,6 +218,7 @@ class Geometry:
     def velocities(self, qd: Sequence[Scalar]) -> Iterator[tuple[Vector, Vector]]:
         """Yield (v, omega) of each link's frame, in the axes of its home segment."""
         found: list[tuple[Vector, Vector]] = []
+        rates = self.joint_rates(qd)
         for joint, way in zip(self.model.joints, self._ways, strict=True):
             still = self._nowhere, self._nowhere
             v, w = found[joint.parent] if joint.parent >= 0 else still
@@ -217,7 +227,7 @@ class Geometry:
                 v, w = (self._into(item.segment, u, segment) for u in (v, w))
                 segment = item.segment
                 if isinstance(item, _Axis):
-                    rate = qd[item.joint] * item.sign
+                    rate = rates[item.joint] * item.sign
                     w, v = joint.type.moved(Velocity(w, v), rate)
                 else:
                     v = add(v, cross(w, self._shift(item)))
@@ -240,6 +250,19 @@ class Geometry:
                     height = height + dot(v, self._shift(item))
             found.append((height, v))
             yield height, v
+
+    def joint_rates(self, qd: Sequence[Scalar]) -> list[Scalar]:
+        """Return the rates of the joints, A qd."""
+        zero = self.ring.zero
+        return [sum((qd[j] * ratio for j, ratio in row), zero) for row in self.terms]
+
+    @cached_property
+    def terms(self) -> list[list[tuple[int, Scalar]]]:
+        """The rows of A: (coordinate, ratio) of what moves each joint."""
+        return [
+            [(j, 1 if ratio == 1 else self.ring.convert(ratio)) for j, ratio in joint.terms]
+            for joint in self.model.joints
+        ]
 
     # -- elements ---------------------------------------------------------------------------------
 
@@ -339,17 +362,24 @@ class Geometry:
         return (one, zero, zero), (zero, one, zero), (zero, zero, one)
 
 
-@dataclass
 class _Walk:
     """The elementary motions of a model as they are gone through, link by link."""
 
-    segments: list[_Segment] = field(default_factory=lambda: [_Segment(-1, _Orientation())])
-    groups: list[_Group] = field(default_factory=lambda: [([], [])])
-    #: of each link: where its frame is, and the way there from the frame of its parent
-    places: list[_Place] = field(default_factory=list)
-    ways: list[list[_Step | _Axis]] = field(default_factory=list)
+    def __init__(self, model: Model):
+        self.segments = [_Segment(-1, _Orientation())]
+        #: of each link: where its frame is, and the way there from the frame of its parent
+        self.places: list[_Place] = []
+        self.ways: list[list[_Step | _Axis]] = []
+        #: (variable, basic angle) of the coordinates that turn something, and in which segment
+        self.angles: list[tuple[Any, Any]] = []
+        self.groups: list[int] = []
+        self._variables = model.qs
+        self._fractions = _fractions(model)
+        self._declared: set[Any] = set()
+        for k, joint in enumerate(model.joints):
+            self._joint(k, joint)
 
-    def joint(self, k: int, joint: Joint, variable: Any) -> None:
+    def _joint(self, k: int, joint: Joint) -> None:
         """Go from the frame of the parent of joint k to that of its link."""
         place = self.places[joint.parent] if joint.parent >= 0 else _Place()
         way: list[_Step | _Axis] = []
@@ -361,24 +391,41 @@ class _Walk:
             else:
                 place = self._tilted(place, step)
         way.append(_Axis(place.segment, k, place.sign))
-        turn, slide = joint.type.displacement(joint.offset + variable)
+        moved = sp.Add(*(ratio * self._variables[j] for j, ratio in joint.terms))
+        turn, slide = joint.type.displacement(joint.offset + moved)
         if turn != 0:
-            place = self._turned(place, variable, turn)
+            angle = sp.expand(place.angle + place.sign * turn)
+            self._declare(angle, [j for j, _ in joint.terms], place.segment)
+            place = replace(place, angle=angle)
         self._shift(way, place, (_ZERO, _ZERO, slide))
         self.places.append(place)
         self.ways.append(way)
 
+    def _declare(self, angle: Any, moving: Sequence[int], segment: int) -> None:
+        """Make the angle, or sum of angles, of a joint basic for a coordinate that is new in it.
+
+        A coordinate that turns some joint by halves or thirds of it is basic in these.
+        """
+        slopes = {j: sp.sympify(angle).coeff(x) for j, x in enumerate(self._variables)}
+        new = [j for j in moving if self._variables[j] not in self._declared]
+        lead = next((j for j in new if self._fractions[j] == 1 and abs(slopes[j]) == 1), None)
+        whole = all((self._fractions[j] * slope).is_Integer for j, slope in slopes.items())
+        others = (j for j in slopes if slopes[j] != 0 and (j != lead or not whole))
+        for j in others:
+            self._declare_as(j, self._variables[j] / self._fractions[j], segment)
+        if lead is not None:
+            self._declare_as(lead, _without_quarter_turns(angle), segment)
+
+    def _declare_as(self, j: int, angle: Any, segment: int) -> None:
+        variable = self._variables[j]
+        if variable not in self._declared:
+            self._declared.add(variable)
+            self.angles.append((variable, angle))
+            self.groups.append(segment)
+
     def _shift(self, way: list[_Step | _Axis], place: _Place, p: Vector) -> None:
         if any(x != 0 for x in p):
             way.append(_Step(place.segment, place.turned, p))
-
-    def _turned(self, place: _Place, variable: Any, turn: Any) -> _Place:
-        """Return the place after a joint's turn; its angle, or sum of angles, is basic."""
-        angle = sp.expand(place.angle + place.sign * turn)
-        angles, before = self.groups[place.segment]
-        angles.append((variable, _without_quarter_turns(angle)))
-        before.append(place.basic)
-        return replace(place, angle=angle, basic=len(angles) - 1)
 
     def _tilted(self, place: _Place, step: Turn | Rotation) -> _Place:
         """Return the place after a turn about x or any other: in a new segment, or flipped."""
@@ -390,15 +437,23 @@ class _Walk:
                 return replace(place, flipped=place.flipped ^ bool(half_turns % 2))
             entry = replace(place.turned, tilt=place.turned.tilt + step.angle)
         self.segments.append(_Segment(place.segment, entry))
-        self.groups.append(([], []))
         return _Place(len(self.segments) - 1)
 
 
-def _walk(model: Model) -> _Walk:
-    walk = _Walk()
-    for k, (joint, variable) in enumerate(zip(model.joints, model.qs, strict=True)):
-        walk.joint(k, joint, variable)
-    return walk
+#: a coordinate that turns joints by p / n of it, n up to this, is basic in the n-th of it; beyond,
+#: sin(p q / n) stands for itself: powers of a sine are as high as n
+_FINEST = 6
+
+
+def _fractions(model: Model) -> list[int]:
+    """Return n for each coordinate: it turns joints by whole multiples of its n-th part."""
+    found = [1] * model.nv
+    for joint in model.joints:
+        for j, ratio in joint.terms:
+            n = int(ratio.q) if joint.type.is_angle and sp.sympify(ratio).is_Rational else 1
+            together = math.lcm(found[j], n)
+            found[j] = together if together <= _FINEST else found[j]
+    return found
 
 
 def _without_quarter_turns(angle: Any) -> Any:

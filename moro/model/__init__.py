@@ -2,11 +2,21 @@
 
 joint_types   what a joint does to a posture, a velocity, a wrench: one class a type
 placement     constant poses, as the elementary motions that they are given by
-model         joints, bodies, frames
+model         joints, bodies, coordinates and their drives, frames
 """
 
 from moro.model.joint_types import JOINT_TYPES, PRISMATIC, REVOLUTE, JointType, Prismatic, Revolute
-from moro.model.model import Body, Central, Frame, Joint, Model, Parameter, as_model
+from moro.model.model import (
+    Body,
+    Central,
+    Coordinate,
+    Drive,
+    Frame,
+    Joint,
+    Model,
+    Parameter,
+    as_model,
+)
 from moro.model.placement import Placement, Rotation, Shift, Turn
 
 __all__ = [
@@ -15,6 +25,8 @@ __all__ = [
     "REVOLUTE",
     "Body",
     "Central",
+    "Coordinate",
+    "Drive",
     "Frame",
     "Joint",
     "JointType",

@@ -31,17 +31,14 @@ Pair: TypeAlias = tuple[Scalar, Scalar]
 
 
 class JointType(ABC):
-    """How the displacement x = q + offset of a joint, its rate and its acceleration move a link."""
+    """How the displacement x of a joint, its rate and its acceleration move a link."""
 
     name: ClassVar[str]
     #: short for the name
     letter: ClassVar[str]
-    #: of q, and of the torque or force
+    #: of x, and of the torque or force
     unit: ClassVar[str]
     effort: ClassVar[str]
-    #: components of q and of qd
-    nq: ClassVar[int] = 1
-    nv: ClassVar[int] = 1
     #: inertial parameters of the link that do not change when the joint moves, as if they were
     #: fixed to the parent; of a link that turns they belong to a rod on the axis
     carried: ClassVar[tuple[str, ...]]
@@ -51,13 +48,13 @@ class JointType(ABC):
 
     @property
     def is_angle(self) -> bool:
-        """Whether q is an angle, the same after a whole turn."""
+        """Whether x is an angle, the same after a whole turn."""
         return self.unit == "rad"
 
     @property
     @abstractmethod
     def assumed_limits(self) -> tuple[Scalar, Scalar]:
-        """(lower, upper) of q where none are given."""
+        """(lower, upper) of x where none are given."""
 
     @abstractmethod
     def displacement(self, x: Scalar) -> tuple[Scalar, Scalar]:

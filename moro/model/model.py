@@ -8,7 +8,7 @@ the recursive route start here. Scalars may be SymPy expressions, numbers, array
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from moro.model.joint_types import JointType
@@ -18,32 +18,66 @@ from moro.spatial.vectors import Matrix, Scalar, Vector
 
 
 @dataclass(frozen=True)
+class Drive:
+    """What acts at a coordinate beside the rigid bodies: rotor, friction, spring.
+
+    It adds ``rotor_inertia qdd + friction(qd) + stiffness (q - rest)`` to the torque (force), where
+
+        friction = viscous qd + s(qd) (coulomb + (static - coulomb) exp(-(qd / stribeck_velocity)^2)),
+
+    s = sign(qd), or tanh(qd / width) with a width. Magnitudes may differ in the two directions.
+    """
+
+    #: at the coordinate: of a rotor behind a gear, its inertia times the ratio squared
+    #: [kg m^2 or kg]
+    rotor_inertia: Scalar = 0
+    #: [N m s or N s/m]
+    viscous: Scalar = 0
+    #: of qd > 0 and of qd < 0, both as magnitudes [N m or N]
+    coulomb: tuple[Scalar, Scalar] = (0, 0)
+    #: what breaks away from rest, likewise (Stribeck); None: as ``coulomb``
+    static: tuple[Scalar, Scalar] | None = None
+    stribeck_velocity: Scalar = 1
+    #: of the step at rest [rad/s or m/s]; None: it is sharp, sign(qd)
+    width: Scalar | None = None
+    #: of a spring [N m/rad or N/m], and where it is at rest [rad or m]
+    stiffness: Scalar = 0
+    rest: Scalar = 0
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A generalized coordinate q_j: what moves one joint, or several together."""
+
+    #: q_j as closed forms write it; by default q_j(t) of ``moro.abc``
+    variable: Any = None
+    #: (lower, upper) [rad or m]; None where none are given
+    limits: tuple[Scalar, Scalar] | None = None
+    drive: Drive = Drive()
+    #: "" where it has none: of the joint, as a rule
+    name: str = ""
+
+
+#: of a joint that coordinate i moves alone, joint i
+OWN: tuple[tuple[int, Scalar], ...] = ((-1, 1),)
+
+
+@dataclass(frozen=True)
 class Joint:
     """Joint i: placed in the frame of its parent joint, then moved about or along its own z axis.
 
-    It moves by ``q_i + offset`` [rad or m]. ``parent`` is the 0-based index of the parent joint, -1
-    for the base, and less than i.
+    It moves by x_i = sum_j A_ij q_j + ``offset`` [rad or m]. ``parent`` is the 0-based index of the
+    parent joint, -1 for the base, and less than i.
     """
 
     type: JointType
     parent: int
     placement: Placement
     offset: Scalar = 0
-    #: link side, adds ``rotor_inertia * qdd_i`` to ``tau_i`` [kg m^2 or kg]
-    rotor_inertia: Scalar = 0
-    #: viscous friction coefficient, adds ``viscous * qd_i`` to ``tau_i``
-    viscous: Scalar = 0
-    #: Coulomb friction for ``qd_i > 0`` and for ``qd_i < 0``, both as magnitudes
-    coulomb: tuple[Scalar, Scalar] = (0, 0)
-    #: q_i as closed forms write it; by default q_i(t) of ``moro.abc``
-    variable: Any = None
-    #: (lower, upper) of q_i [rad or m]; None where none are given
-    limits: tuple[Scalar, Scalar] | None = None
-
-    @property
-    def range(self) -> tuple[Scalar, Scalar]:
-        """The limits, or those that are assumed for joints of its type."""
-        return self.type.assumed_limits if self.limits is None else self.limits
+    #: (j, A_ij) of the coordinates that move it, A_ij constant and not 0; by default (i, 1)
+    terms: tuple[tuple[int, Scalar], ...] = OWN
+    #: "" where it has none
+    name: str = ""
 
 
 _NOWHERE = Placement()
@@ -116,6 +150,8 @@ class Model:
     gravity: Vector
     #: the last is the tip: what functions speak of that name no frame; by default the last joint's
     frames: tuple[Frame, ...] = ()
+    #: by default as many as the joints need: one for each joint, where none says otherwise
+    coordinates: tuple[Coordinate, ...] = ()
     #: the symbols among the scalars, in the order in which kernels take them
     parameters: tuple[Parameter, ...] = ()
     #: what was not set and is zero here: "masses", "rotor_inertias", ...
@@ -123,30 +159,57 @@ class Model:
     #: "dh" or "mdh" where the frames are those of a table of such rows
     convention: str = ""
 
-    @property
-    def dof(self) -> int:
-        """Number of joints n."""
-        return len(self.joints)
-
-    @property
-    def nq(self) -> int:
-        """Number of joint positions."""
-        return sum(joint.type.nq for joint in self.joints)
+    def __post_init__(self) -> None:
+        joints = tuple(
+            replace(joint, terms=((i, 1),)) if joint.terms == OWN else joint
+            for i, joint in enumerate(self.joints)
+        )
+        count = 1 + max((j for joint in joints for j, _ in joint.terms), default=-1)
+        object.__setattr__(self, "joints", joints)
+        object.__setattr__(self, "coordinates", self.coordinates or (Coordinate(),) * count)
 
     @property
     def nv(self) -> int:
-        """Number of joint velocities."""
-        return sum(joint.type.nv for joint in self.joints)
+        """Number of generalized velocities, and of torques."""
+        return len(self.coordinates)
+
+    @property
+    def nq(self) -> int:
+        """Number of generalized coordinates."""
+        return self.nv
 
     @property
     def qs(self) -> list[Any]:
-        """The joint variables of closed forms."""
+        """The coordinates as closed forms write them."""
         from moro.abc import joint_variable  # SymPy, which help does without
 
         return [
-            joint_variable(i) if joint.variable is None else joint.variable
-            for i, joint in enumerate(self.joints, 1)
+            joint_variable(j) if x.variable is None else x.variable
+            for j, x in enumerate(self.coordinates, 1)
         ]
+
+    @property
+    def types(self) -> list[JointType]:
+        """Of each coordinate, the type of the first joint that it moves: angle or length."""
+        first: dict[int, JointType] = {}
+        for joint in self.joints:
+            for j, _ in joint.terms:
+                first.setdefault(j, joint.type)
+        return [first[j] for j in range(self.nv)]
+
+    @property
+    def ranges(self) -> list[tuple[Scalar, Scalar]]:
+        """The limits of each coordinate, or those that are assumed for its type."""
+        return [
+            kind.assumed_limits if x.limits is None else x.limits
+            for x, kind in zip(self.coordinates, self.types, strict=True)
+        ]
+
+    @property
+    def is_coupled(self) -> bool:
+        """Whether the joints are anything but the coordinates in their order."""
+        own = (((i, 1),) for i in range(len(self.joints)))
+        return [joint.terms for joint in self.joints] != list(own)
 
     @property
     def defaults(self) -> dict[Any, Any]:
@@ -156,12 +219,17 @@ class Model:
     @property
     def tip(self) -> Frame:
         """The last frame."""
-        return self.frames[-1] if self.frames else Frame("tip", self.dof - 1, Placement())
+        return self.frames[-1] if self.frames else Frame("tip", len(self.joints) - 1, Placement())
 
     def ancestors(self, i: int) -> Iterator[int]:
         """Yield the joints that carry joint i, from its parent to the base."""
         while (i := self.joints[i].parent) >= 0:
             yield i
+
+    def moving(self, i: int) -> list[int]:
+        """Return the coordinates that move link i, in order."""
+        carrying = (self.joints[k] for k in (i, *self.ancestors(i)))
+        return sorted({j for joint in carrying for j, _ in joint.terms})
 
     def map(self, convert: Callable[[Scalar], Scalar]) -> Model:
         """Return the same model with ``convert`` applied to every scalar."""
@@ -182,9 +250,15 @@ class Model:
                 j,
                 placement=placement(j.placement),
                 offset=convert(j.offset),
-                rotor_inertia=convert(j.rotor_inertia),
-                viscous=convert(j.viscous),
-                coulomb=(convert(j.coulomb[0]), convert(j.coulomb[1])),
+                terms=tuple((k, convert(ratio)) for k, ratio in j.terms),
+            )
+
+        def drive(d: Drive) -> Drive:
+            return Drive(
+                *(
+                    x if x is None else tuple(map(convert, x)) if isinstance(x, tuple) else convert(x)
+                    for x in (getattr(d, f.name) for f in fields(Drive))
+                )
             )
 
         def body(b: Body) -> Body:
@@ -202,6 +276,7 @@ class Model:
             bodies=tuple(body(b) for b in self.bodies),
             gravity=vector(self.gravity),
             frames=tuple(replace(f, placement=placement(f.placement)) for f in self.frames),
+            coordinates=tuple(replace(x, drive=drive(x.drive)) for x in self.coordinates),
         )
 
 

@@ -75,7 +75,7 @@ class DualRing:
         none = np.zeros((), dtype=self._type)
         return Dual(flat, np.broadcast_to(none, (len(self._variables), *self._shape)))
 
-    def declare_angles(self, group: Any, before: Any = None) -> None:
+    def declare_angles(self, angles: Any, groups: Any = None) -> None:
         """Nothing to prepare: numbers have no canonical form to choose."""
 
     def convert(self, expr: Any) -> Dual:

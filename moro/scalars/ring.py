@@ -32,12 +32,9 @@ class DifferentialRing(Ring, Protocol):
     """Scalars that have derivatives."""
 
     def declare_angles(
-        self, group: Sequence[tuple[Any, Any]], before: Sequence[int] | None = None
+        self, angles: Sequence[tuple[Any, Any]], groups: Sequence[int] | None = None
     ) -> None:
-        """Prepare for the angles of parallel joints: (joint variable, angle) of each.
-
-        Angle k is that of joint ``before[k]``, if this is not -1, +- its variable, plus a constant.
-        """
+        """Prepare for (joint variable, angle) pairs; ``groups`` are those of parallel joints."""
 
     def diff(self, x: Scalar, variable: Any) -> Scalar:
         """Return dx/dq for a joint variable q."""

@@ -27,6 +27,7 @@ from time import thread_time
 from typing import Any, TypeAlias
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 Coefficient: TypeAlias = "int | Fraction"
 Monomial: TypeAlias = int
@@ -158,41 +159,45 @@ class TrigRing:
         self.pairs: dict[Any, tuple[int, int]] = {}
         #: basic angles of parallel joints, in order, by group
         self.groups: list[list[Any]] = []
-        # joint variable -> its angle as {basic angle: +-1} plus a constant
+        # joint variable -> it as {basic angle: whole multiple} plus a constant
         self._joint_angles: dict[Any, tuple[dict[Any, int], Any]] = {}
-        self._slopes: dict[Any, dict[Any, int]] = {}  # joint variable -> {basic angle: +-1}
+        self._slopes: dict[Any, dict[Any, Any]] = {}  # variable -> {angle: its derivative}
 
     # -- generators -------------------------------------------------------------------------------
 
     def declare_angles(
-        self, group: Sequence[tuple[Any, Any]], before: Sequence[int] | None = None
+        self, angles: Sequence[tuple[Any, Any]], groups: Sequence[int] | None = None
     ) -> None:
-        """Make each angle of a group of parallel joints basic.
+        """Make angles basic: (joint variable, angle) pairs, each with a variable of its own.
 
-        ``group`` is a list of (joint variable, angle). Angle k is +- its joint variable plus a
-        constant, or that and angle ``before[k]`` of the group, unless this is -1; by default the
-        angle just before. With theta_k = theta_before + sign q_k + offset,
+        Angle theta is q / n or +- q plus variables declared before and constants,
 
-            q_k = sign (theta_k - theta_before - offset),
+            theta = q / n + sum_k a_k q_k + b,    so    q = n theta - n (sum_k a_k q_k + b),
 
-        which is how q_k is written in basic angles, and d theta_k/dq_j = +-1 for all joints j on
-        the way.
+        which is how q is written in basic angles. ``groups`` tells by numbers which are those of
+        parallel joints, whose sines and cosines join; by default all are.
         """
-        before = range(-1, len(group) - 1) if before is None else before
-        self.groups.append([angle for _, angle in group])
-        for k, (variable, angle) in enumerate(group):
-            outer = group[before[k]][1] if before[k] >= 0 else sp.Integer(0)
-            sign = sp.expand(angle - outer).coeff(variable)
-            terms = {angle: int(sign)} | ({outer: -int(sign)} if before[k] >= 0 else {})
-            offset = sp.expand(angle - outer - sign * variable)
-            self._joint_angles[variable] = terms, -sign * offset
+        groups = groups or [0] * len(angles)
+        start = len(self.groups)
+        self.groups.extend([] for _ in range(1 + max(groups, default=-1)))
+        for (variable, angle), group in zip(angles, groups, strict=True):
+            self.groups[start + group].append(angle)
+            self._joint_angles[variable] = self._solved(variable, angle)
             self._pair(angle)
-            on_the_way = k
-            while on_the_way >= 0:
-                earlier = group[on_the_way][0]
-                slope = int(sp.expand(angle).coeff(earlier))
-                self._slopes.setdefault(earlier, {})[angle] = slope
-                on_the_way = before[on_the_way]
+
+    def _solved(self, variable: Any, angle: Any) -> tuple[dict[Any, int], Any]:
+        """Return a joint variable as whole multiples of basic angles, and a constant."""
+        angle = sp.expand(angle)
+        slope = angle.coeff(variable)
+        n = int(1 / slope)
+        basic, offset = {angle: n}, sp.Integer(0)
+        for part in sp.Add.make_args(sp.expand(angle - slope * variable)):
+            factor, rest = part.as_coeff_Mul()
+            others, constant = self._joint_angles.get(rest, ({}, rest))
+            offset -= n * factor * constant
+            for other, k in others.items():
+                basic[other] = basic.get(other, 0) - int(n * factor * k)
+        return {x: k for x, k in basic.items() if k}, sp.expand(offset)
 
     def generator(self, meaning: Any) -> Trig:
         """Return the generator that stands for ``meaning``, a SymPy object, as a polynomial."""
@@ -216,6 +221,8 @@ class TrigRing:
             cosine = self._index[sp.cos(angle, evaluate=False)]
             self._sines[sine] = cosine
             self.pairs[angle] = sine, cosine
+            for variable in angle.atoms(AppliedUndef) or angle.free_symbols:
+                self._slopes.setdefault(variable, {})[angle] = sp.diff(angle, variable)
         return self.pairs[angle]
 
     def _root(self, n: int) -> Trig:
@@ -381,17 +388,22 @@ class TrigRing:
             factor, rest = part.as_coeff_Mul()
             if part.is_number:
                 constant += part
-            elif not factor.is_Integer:  # sin(-q/2) is -sin(q/2)
-                sign = -1 if factor.is_negative else 1
-                terms[sign * part] = terms.get(sign * part, 0) + sign
-            elif rest in self._joint_angles:
+            elif rest in self._joint_angles and self._is_whole(factor, rest):
                 basic, offset = self._joint_angles[rest]
                 work.extend(sp.Add.make_args(sp.expand(factor * offset)))
                 for a, n in basic.items():
-                    terms[a] = terms.get(a, 0) + int(factor) * n
+                    terms[a] = terms.get(a, 0) + int(factor * n)
+            elif not factor.is_Integer:  # sin(-q/2) is -sin(q/2)
+                sign = -1 if factor.is_negative else 1
+                terms[sign * part] = terms.get(sign * part, 0) + sign
             else:
                 terms[rest] = terms.get(rest, 0) + int(factor)
         return constant, {a: n for a, n in terms.items() if n}
+
+    def _is_whole(self, factor: Any, variable: Any) -> bool:
+        """Return whether a multiple of a joint variable is one of basic angles, all whole."""
+        basic, _ = self._joint_angles[variable]
+        return all((factor * n).is_Integer for n in basic.values())
 
     def _basic_sincos(self, angle: Any) -> tuple[Trig, Trig]:
         sine, cosine = self._pair(angle)
@@ -412,10 +424,16 @@ class TrigRing:
 
     def diff(self, p: Trig, variable: Any) -> Trig:
         """Return the partial derivative of ``p`` with respect to a joint variable or a symbol."""
-        terms: dict[Monomial, Coefficient] = {}
+        derivative, terms = self.zero, dict[Monomial, Coefficient]()
         for angle, slope in self._slopes.get(variable, {}).items():
-            self._add_angle_derivative(terms, p, self.pairs[angle], slope)
-        derivative = Trig(self, {m: c for m, c in terms.items() if c})
+            if slope.is_Rational:
+                number = _as_integer(Fraction(int(slope.p), int(slope.q)))
+                self._add_angle_derivative(terms, p, self.pairs[angle], number)
+            else:
+                inner = dict[Monomial, Coefficient]()
+                self._add_angle_derivative(inner, p, self.pairs[angle], 1)
+                derivative += self._without_zeros(inner) * self.convert(slope)
+        derivative += self._without_zeros(terms)
         for index, inner in self._depending_on(variable):
             outer = {}
             for m, c in p.terms.items():
@@ -424,6 +442,9 @@ class TrigRing:
                     outer[m - self.unit(index)] = c * e
             derivative = derivative + Trig(self, outer) * inner
         return derivative
+
+    def _without_zeros(self, terms: dict[Monomial, Coefficient]) -> Trig:
+        return Trig(self, {m: c for m, c in terms.items() if c})
 
     def _depending_on(self, variable: Any) -> list[tuple[int, Trig | int]]:
         """Return (index, derivative) of the generators but angles that hold ``variable``."""
@@ -441,7 +462,7 @@ class TrigRing:
         terms: dict[Monomial, Coefficient],
         p: Trig,
         pair: tuple[int, int],
-        slope: int,
+        slope: Coefficient,
     ) -> None:
         """Add slope * dp/dangle: s -> c, c -> -s by the product rule, reduced as it goes."""
         sine, cosine = (_BITS * index for index in pair)

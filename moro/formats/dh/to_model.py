@@ -47,6 +47,7 @@ def model_from_dh(name: str, arm: Arm, defaults: Mapping[Any, Any]) -> Model:
         tuple(_body(arm, i) for i in range(len(arm.rows))),
         (gx, gy, gz),
         tuple(Frame(str(i + 1), i, frame_in_link(arm, i)) for i in range(len(arm.rows))),
+        tuple(_coordinate(arm, i) for i in range(len(arm.rows))),
         tuple(Parameter(s, x, where.get(str(s), "")) for s, x in defaults.items()),
         frozenset(field.name for field in fields(arm) if getattr(arm, field.name) is None),
         arm.convention,
@@ -60,8 +61,6 @@ def frame_in_link(arm: Arm, i: int) -> Placement:
 
 def _joint(arm: Arm, i: int) -> Joint:
     row = arm.rows[i]
-    rotors, viscous = arm.rotor_inertias, arm.viscous_friction
-    forwards, backwards = arm.coulomb_friction[i] if arm.coulomb_friction else (_ZERO, _ZERO)
     steps = [*_before(arm, i)]
     if row.type.is_angle:
         steps.append(Shift((_ZERO, _ZERO, row.d)))
@@ -72,12 +71,18 @@ def _joint(arm: Arm, i: int) -> Joint:
         i - 1,
         _by(*steps),
         row.theta if row.type.is_angle else row.d,
+    )
+
+
+def _coordinate(arm: Arm, i: int) -> Coordinate:
+    rotors, viscous, coulomb = arm.rotor_inertias, arm.viscous_friction, arm.coulomb_friction
+    drive = Drive(
         rotors[i] if rotors else _ZERO,
         viscous[i] if viscous else _ZERO,
-        (forwards, backwards),
-        row.variable,
-        arm.joint_limits[i] if arm.joint_limits else None,
+        coulomb[i] if coulomb else (_ZERO, _ZERO),
     )
+    limits = arm.joint_limits[i] if arm.joint_limits else None
+    return Coordinate(arm.rows[i].variable, limits, drive)
 
 
 def _before(arm: Arm, i: int) -> Iterator[Step]:
