@@ -17,6 +17,7 @@ from benchmarks.native import Run
 from benchmarks.operations import table as operations_table
 from benchmarks.tasks import TASKS, Task
 from benchmarks.timing import Block, Sample, collector_off, interleaved, python_block
+from moro.algorithms.coordinates import displacements
 from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import posture
 
@@ -111,8 +112,7 @@ def condition(arm: Arm) -> float:
     """Return the largest condition number of the inertia matrix at some of the arm's states."""
     model = arm.robot.model().map(float)
     q = arm.states["q"][:PYTHON_STATES].T
-    angles = [x + joint.offset for x, joint in zip(q, model.joints, strict=True)]
-    pairs = [(np.sin(angle), np.cos(angle)) for angle in angles]
+    pairs = [(np.sin(angle), np.cos(angle)) for angle in displacements(model, q)]
     still = np.zeros_like(q)
 
     def torques(qdd: Array) -> Array:

@@ -20,6 +20,7 @@ from benchmarks.native import Loop, library
 from benchmarks.tasks import TASKS, Call, Task
 from benchmarks.timing import seconds_of
 from moro.algorithms.composite_rigid_body import joint_inertia
+from moro.algorithms.coordinates import displacements
 from moro.algorithms.coriolis import joint_coriolis
 from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import Posture, posture
@@ -69,7 +70,7 @@ def our_posture(arm: Arm, q: ca.SX) -> Posture:
     """Return what moro's algorithms read, in CasADi's scalars."""
     model = arm.robot.model().map(float)
     positions = ca.vertsplit(q)
-    angles = [x + joint.offset for x, joint in zip(positions, model.joints, strict=True)]
+    angles = displacements(model, positions)
     return posture(model, positions, [(ca.sin(angle), ca.cos(angle)) for angle in angles])
 
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from moro.algorithms.regressor import PARAMETERS, body_regressor
-from moro.identification.base_parameters import base_parameters_of
+from moro.identification.base_parameters import base_parameters_of, terms_of_drive
 from moro.model import Model
 from moro.spatial.vectors import Scalar
 from moro_codegen.functions.catalogue import REGRESSOR, Function, Outputs, System
@@ -58,8 +58,10 @@ def regressor(model: Model, zeros: bool | None = None) -> Function:
         def column(link: int, name: str) -> Sequence[Scalar]:
             if name in PARAMETERS:
                 return columns[len(PARAMETERS) * link + PARAMETERS.index(name)]
-            sign = system.graph.sign(qd[link])
-            own = {"IA": qdd[link], "FV": qd[link], "FC": sign, "FD": sign * sign}[name]
+            own = qdd[link]
+            if name != "IA":
+                drive = system.model.coordinates[link].drive
+                own = terms_of_drive(drive, q[link], qd[link], system.functions)[name]
             return [own if i == link else 0 for i in range(model.nv)]
 
         rows = zip(*(column(*parameter.leader) for parameter in base), strict=True)

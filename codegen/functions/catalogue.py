@@ -16,8 +16,8 @@ from typing import Any
 
 from moro.algorithms.articulated_body import joint_accelerations
 from moro.algorithms.composite_rigid_body import joint_inertia
-from moro.algorithms.coriolis import joint_coriolis
 from moro.algorithms.coordinates import displacements
+from moro.algorithms.coriolis import joint_coriolis
 from moro.algorithms.drives import Functions, drive_torques, spring_energy, spring_torques
 from moro.algorithms.energies import energy_of_motion, energy_of_position
 from moro.algorithms.external_wrench import joint_torques_in_contact
@@ -102,9 +102,13 @@ class System:
         springs = spring_torques(self.model, q)
         if self.rigid:
             return springs
+        return _sum(drive_torques(self.model, qd, qdd, self.functions), springs)
+
+    @property
+    def functions(self) -> Functions:
+        """What friction is made of."""
         call = self.graph.call
-        functions = Functions(self.graph.sign, partial(call, "tanh"), partial(call, "exp"))
-        return _sum(drive_torques(self.model, qd, qdd, functions), springs)
+        return Functions(self.graph.sign, partial(call, "tanh"), partial(call, "exp"))
 
 
 @dataclass(frozen=True)

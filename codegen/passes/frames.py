@@ -95,7 +95,7 @@ def in_unit(arm: Posture, turned: Collection[int]) -> Posture:
         m, h, S = link.body.m, link.body.h, link.body.S
         body = Moments(unit * unit * m, scaled(unit, h), S)
         links.append(replace(link, p=scaled(1 / unit, link.p), body=body))
-    return Posture(tuple(links), scaled(1 / unit, arm.gravity))
+    return replace(arm, links=tuple(links), gravity=scaled(1 / unit, arm.gravity))
 
 
 def turnable_leaves(arm: Posture) -> frozenset[int]:

@@ -192,7 +192,8 @@ class Dynamics:
     @cached_property
     def P(self) -> Array:
         """The potential energy, with that of springs."""
-        energy: Array = _values([*self._form.potential_energies, self._form.spring_energy]).sum(axis=0)
+        form = self._form
+        energy: Array = _values([*form.potential_energies, form.spring_energy]).sum(axis=0)
         return energy
 
     @cached_property

@@ -94,7 +94,7 @@ def joint_accelerations(
     motions = forward_motion(arm, qd, [0] * arm.nv)
     bias = [body_wrench(*pair) for pair in zip(links, motions, strict=True)]
     of_joints = [rotors[link.terms[0][0]] for link in links]
-    joints = yielding_joints(arm, of_joints, bias, joint_rates(links, tau))
+    joints = yielding_joints(arm, of_joints, bias, joint_rates(links, tau, arm.nv))
     return generalized(links, accelerations(arm, joints), arm.nv)
 
 

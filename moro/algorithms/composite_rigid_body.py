@@ -1,8 +1,8 @@
 """The inertia matrix by the composite rigid body algorithm, over any scalar.
 
 Walker & Orin 1982, Featherstone 2008 (sec. 6.2): the joint j accelerates link j and all it carries
-as one rigid body. The wrench for that, carried inwards, is column j of M over the joints. Only ``+ - *`` are asked
-of the scalars.
+as one rigid body. The wrench for that, carried inwards, is column j of M over the joints. Only
+``+ - *`` are asked of the scalars.
 """
 
 from __future__ import annotations

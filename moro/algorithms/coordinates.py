@@ -32,12 +32,14 @@ class Moved(Protocol):
 
 def displacements(model: Model, q: Sequence[Scalar]) -> list[Scalar]:
     """Return x = A q + b of every joint [rad or m]."""
-    ways = joint_rates(model.joints, q)
+    ways = joint_rates(model.joints, q, model.nv)
     return [x + joint.offset for x, joint in zip(ways, model.joints, strict=True)]
 
 
-def joint_rates(joints: Iterable[Moved], qd: Sequence[Scalar]) -> list[Scalar]:
+def joint_rates(joints: Iterable[Moved], qd: Sequence[Scalar], nv: int) -> list[Scalar]:
     """Return A qd: the rates of the joints, or their accelerations from qdd."""
+    if len(qd) != nv:
+        raise ValueError(f"{len(qd)} values for {nv} coordinates")
     return [sum(ratio * qd[j] for j, ratio in joint.terms) for joint in joints]
 
 

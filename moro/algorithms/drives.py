@@ -36,14 +36,23 @@ def friction(drive: Drive, qd: Scalar, functions: Functions) -> Scalar:
 
     Coulomb's and Stribeck's terms have two directions, which ``directed`` tells apart by s.
     """
-    smooth = drive.width is not None
-    s = functions.tanh(qd / drive.width) if smooth else functions.sign(qd)
-    (forward, backward), static = drive.coulomb, drive.static
+    s, (forward, backward) = step(drive, qd, functions), drive.coulomb
     total = drive.viscous * qd + directed(forward, backward, s)
-    if static is not None:
-        v = qd / drive.stribeck_velocity
-        total = total + directed(static[0] - forward, static[1] - backward, s) * functions.exp(-v * v)
+    if drive.static is not None:
+        more = directed(drive.static[0] - forward, drive.static[1] - backward, s)
+        total = total + more * stribeck(drive, qd, functions)
     return total
+
+
+def step(drive: Drive, qd: Scalar, functions: Functions) -> Scalar:
+    """Return s, which is sign(qd), or tanh(qd / width)."""
+    return functions.sign(qd) if drive.width is None else functions.tanh(qd / drive.width)
+
+
+def stribeck(drive: Drive, qd: Scalar, functions: Functions) -> Scalar:
+    """Return exp(-(qd / stribeck_velocity)^2)."""
+    v = qd / drive.stribeck_velocity
+    return functions.exp(-(v * v))
 
 
 def directed(forward: Scalar, backward: Scalar, s: Scalar) -> Scalar:

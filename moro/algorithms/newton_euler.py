@@ -43,7 +43,7 @@ def forward_motion(arm: Posture, qd: Sequence[Scalar], qdd: Sequence[Scalar]) ->
     zero: Vector = (0, 0, 0)
     base = Motion(zero, zero, (zero, zero, zero), (-x, -y, -z))
     motions: list[Motion] = []
-    rates, accelerations = joint_rates(arm.links, qd), joint_rates(arm.links, qdd)
+    rates, accelerations = joint_rates(arm.links, qd, arm.nv), joint_rates(arm.links, qdd, arm.nv)
     for link, velocity, acceleration in zip(arm.links, rates, accelerations, strict=True):
         parent = base if link.parent < 0 else motions[link.parent]
         motions.append(link.type.motion(link, parent, velocity, acceleration))
@@ -67,7 +67,7 @@ def body_wrench(link: Link, motion: Motion) -> Wrench:
 def backward_torques(arm: Posture, wrenches: Sequence[Wrench]) -> tuple[Scalar, ...]:
     """Return the torques from the wrenches on the bodies, from the tips to the base.
 
-    f_p += R f,    n_p += R n + p x R f;    tau_x = what the joint bears of (f, n),  tau = A^T tau_x.
+    f_p += R f,    n_p += R n + p x R f;    tau = A^T (what the joints bear of their f, n).
     """
     total = list(wrenches)
     for i, link in reversed(list(enumerate(arm.links))):

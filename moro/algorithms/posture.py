@@ -82,7 +82,7 @@ def with_frame(arm: Posture, link: int, placement: Placement) -> Posture:
 def velocities(arm: Posture, qd: Sequence[Scalar]) -> list[Velocity]:
     """Return the velocity of every link."""
     found: list[Velocity] = []
-    for link, rate in zip(arm.links, joint_rates(arm.links, qd), strict=True):
+    for link, rate in zip(arm.links, joint_rates(arm.links, qd, arm.nv), strict=True):
         parent = REST if link.parent < 0 else found[link.parent]
         found.append(link.type.moved(velocity_in_link(link, parent), rate))
     return found

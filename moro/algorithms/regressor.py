@@ -39,8 +39,8 @@ def body_regressor(arm: Posture, qd: Sequence[Scalar], qdd: Sequence[Scalar]) ->
             of_moment = add(times(transpose(motion.U), lamda), cross(motion.a, zeta))
             of_mass = dot(lamda, motion.a)
             Y[j][size * i : size * (i + 1)] = [*of_inertia, *of_moment, of_mass]
-    columns = (generalized(arm.links, column, arm.nv) for column in zip(*Y, strict=True))
-    return [list(row) for row in zip(*columns, strict=True)]
+    borne = (generalized(arm.links, column, arm.nv) for column in zip(*Y, strict=True))
+    return [list(row) for row in zip(*borne, strict=True)]
 
 
 def joint_columns(arm: Posture) -> list[dict[int, Velocity]]:

@@ -450,7 +450,8 @@ def _fractions(model: Model) -> list[int]:
     found = [1] * model.nv
     for joint in model.joints:
         for j, ratio in joint.terms:
-            n = int(ratio.q) if joint.type.is_angle and sp.sympify(ratio).is_Rational else 1
+            ratio = sp.sympify(ratio)
+            n = int(ratio.q) if joint.type.is_angle and ratio.is_Rational else 1
             together = math.lcm(found[j], n)
             found[j] = together if together <= _FINEST else found[j]
     return found

@@ -15,6 +15,8 @@ from moro.formats.source import Source
 from moro.model import (
     Body,
     Central,
+    Coordinate,
+    Drive,
     Joint,
     JointType,
     Model,
@@ -51,8 +53,8 @@ class HandMade(Source):
 
     @property
     def types(self) -> list[JointType]:
-        """The type of each joint."""
-        return [joint.type for joint in self._model.joints]
+        """The type of each coordinate."""
+        return self._model.types
 
     @property
     def qs(self) -> list[Any]:
@@ -66,8 +68,8 @@ class HandMade(Source):
 
     @property
     def assumed(self) -> frozenset[str]:
-        """Limits, where no joint has any."""
-        limited = any(joint.limits is not None for joint in self._model.joints)
+        """Limits, where no coordinate has any."""
+        limited = any(x.limits is not None for x in self._model.coordinates)
         return frozenset() if limited else frozenset({"joint_limits"})
 
     def given(self, name: str) -> Any:
@@ -77,22 +79,23 @@ class HandMade(Source):
         that of its joint.
         """
         if name == "joint_limits":
-            return [joint.range for joint in self._model.joints]
+            return self._model.ranges
         if name in self._model.not_set:
             return None
         if name == "gravity":
             return sp.Matrix(self._model.gravity)
-        return [
-            _QUANTITIES[name](*both)
-            for both in zip(self._model.joints, self._model.bodies, strict=True)
-        ]
+        if name in _OF_BODIES:
+            return [_OF_BODIES[name](body) for body in self._model.bodies]
+        return [getattr(x.drive, _OF_DRIVES[name]) for x in self._model.coordinates]
 
     @property
     def table(self) -> Table:
-        """The joints: which hangs on which (0: the base), type, joint variable."""
-        joints = enumerate(zip(self._model.joints, self.qs, strict=True), 1)
-        rows = [(i, joint.parent + 1, joint.type.letter, q) for i, (joint, q) in joints]
-        return Table(("i", "parent", "type", "q"), rows, self.notation)
+        """The joints: which hangs on which (0: the base), type, displacement."""
+        rows = [
+            (i, joint.parent + 1, joint.type.letter, self._model.displacement(joint))
+            for i, joint in enumerate(self._model.joints, 1)
+        ]
+        return Table(("i", "parent", "type", "x"), rows, self.notation)
 
     def model(self) -> Model:
         """Return the model, with all its parameters."""
@@ -105,15 +108,17 @@ class HandMade(Source):
         return f"{self.name} is made of a Model, whose not_set says so"
 
     def _headline(self) -> tuple[str, str, str]:
-        kinds = "".join(kind.letter for kind in self.types)
+        kinds = "".join(joint.type.letter for joint in self._model.joints)
         parents = " ".join(str(joint.parent + 1) for joint in self._model.joints)
-        return "joints", "given", f"{self.dof}, {kinds}, on {parents}"
+        return "joints", "given", f"{len(self._model.joints)}, {kinds}, on {parents}"
 
     def _constants(self) -> Iterator[Any]:
         placements = [joint.placement for joint in self._model.joints]
         placements += [frame.placement for frame in self._model.frames]
         for joint in self._model.joints:
-            yield from (joint.offset, joint.rotor_inertia, joint.viscous, *joint.coulomb)
+            yield from (joint.offset, *(ratio for _, ratio in joint.terms))
+        for x in self._model.coordinates:
+            yield from x.drive.scalars
         for body in self._model.bodies:
             yield from (body.mass, *body.first_moment, *_entries(body.inertia))
             if body.central is not None:
@@ -150,14 +155,15 @@ def central(body: Body) -> Central:
     return Central((x, y, z), ((a[0], a[1], a[2]), (b[0], b[1], b[2]), (c[0], c[1], c[2])))
 
 
-#: of a joint and its body
-_QUANTITIES: dict[str, Callable[[Joint, Body], Any]] = {
-    "masses": lambda _, body: body.mass,
-    "cm_positions": lambda _, body: sp.Matrix(central(body).com),
-    "inertia_tensors": lambda _, body: sp.Matrix(central(body).inertia),
-    "rotor_inertias": lambda joint, _: joint.rotor_inertia,
-    "viscous_friction": lambda joint, _: joint.viscous,
-    "coulomb_friction": lambda joint, _: joint.coulomb,
+_OF_BODIES: dict[str, Callable[[Body], Any]] = {
+    "masses": lambda body: body.mass,
+    "cm_positions": lambda body: sp.Matrix(central(body).com),
+    "inertia_tensors": lambda body: sp.Matrix(central(body).inertia),
+}
+_OF_DRIVES = {
+    "rotor_inertias": "rotor_inertia",
+    "viscous_friction": "viscous",
+    "coulomb_friction": "coulomb",
 }
 
 
@@ -178,6 +184,7 @@ def _exact(model: Model, values: Mapping[Any, Any] | None = None) -> tuple[Model
         joints=tuple(read.joint(x, i) for i, x in enumerate(model.joints, 1)),
         bodies=tuple(read.body(x, i) for i, x in enumerate(model.bodies, 1)),
         gravity=read.vector(model.gravity, "gravity"),
+        coordinates=tuple(read.coordinate(x, j) for j, x in enumerate(model.coordinates, 1)),
         frames=tuple(
             replace(x, placement=read.placement(x.placement, f"frame {x.name}"))
             for x in model.frames
@@ -200,6 +207,7 @@ def _check_tree(model: Model) -> None:
             raise ValueError(
                 f"parent of joint {i} must be {expected}, counted from 0, not {joint.parent}"
             )
+    _check_coordinates(model)
     owner: dict[Any, int] = {}
     for i, q in enumerate(model.qs, 1):
         if not (isinstance(q, sp.Symbol) and q != t) and not (
@@ -216,6 +224,25 @@ def _check_tree(model: Model) -> None:
         names.add(frame.name)
         if frame.link not in range(-1, n):
             raise ValueError(f"link of frame {frame.name} must be -1..{n - 1}, not {frame.link}")
+
+
+def _check_coordinates(model: Model) -> None:
+    moved = set[int]()
+    for i, joint in enumerate(model.joints, 1):
+        for j, _ in joint.terms:
+            if j not in range(model.nv):
+                raise ValueError(
+                    f"joint {i} is moved by coordinate {j}: expected 0..{model.nv - 1}, counted "
+                    "from 0"
+                )
+            if [k for k, _ in joint.terms].count(j) > 1:
+                raise ValueError(f"joint {i} is moved twice by coordinate {j}")
+            moved.add(j)
+    for j, x in enumerate(model.coordinates):
+        if not isinstance(x, Coordinate) or not isinstance(x.drive, Drive):
+            raise TypeError(f"coordinate {j} must be a Coordinate, not {checks.brief(x)}")
+        if j not in moved:
+            raise ValueError(f"coordinate {j} moves no joint")
 
 
 class _Reader:
@@ -250,17 +277,46 @@ class _Reader:
         return Placement(self.matrix(placement.R, what), self.vector(placement.p, what))
 
     def joint(self, joint: Joint, i: int) -> Joint:
-        forward, backward = joint.coulomb
-        coulomb = f"Coulomb friction of joint {i}"
         return replace(
             joint,
             placement=self.placement(joint.placement, f"placement of joint {i}"),
             offset=self.scalar(joint.offset, f"offset of joint {i}"),
-            rotor_inertia=self._size(joint.rotor_inertia, f"rotor inertia of joint {i}"),
-            viscous=self._size(joint.viscous, f"viscous friction of joint {i}"),
-            coulomb=(self._size(forward, coulomb), self._size(backward, coulomb)),
-            limits=joint.limits and checks.limits(joint.limits, f"limits of joint {i}"),
+            terms=tuple((j, self._ratio(ratio, i)) for j, ratio in joint.terms),
         )
+
+    def coordinate(self, x: Coordinate, j: int) -> Coordinate:
+        limits = x.limits and checks.limits(x.limits, f"limits of joint {j}")
+        return replace(x, limits=limits, drive=self._drive(x.drive, j))
+
+    def _drive(self, drive: Drive, j: int) -> Drive:
+        of = f"of joint {j}"
+        size, (forward, backward) = self._size, drive.coulomb
+        static = drive.static
+        if static is not None:
+            break_away = f"static friction {of}"
+            static = size(static[0], break_away), size(static[1], break_away)
+        return Drive(
+            size(drive.rotor_inertia, f"rotor inertia {of}"),
+            size(drive.viscous, f"viscous friction {of}"),
+            (size(forward, f"Coulomb friction {of}"), size(backward, f"Coulomb friction {of}")),
+            static,
+            self._divisor(drive.stribeck_velocity, f"Stribeck velocity {of}"),
+            None if drive.width is None else self._divisor(drive.width, f"width of friction {of}"),
+            size(drive.stiffness, f"stiffness {of}"),
+            self.scalar(drive.rest, f"rest of the spring {of}"),
+        )
+
+    def _divisor(self, x: Any, what: str) -> Any:
+        value = self._size(x, what)
+        if value == 0:
+            raise ValueError(f"{what} must not be 0")
+        return value
+
+    def _ratio(self, ratio: Any, i: int) -> Any:
+        value = self.scalar(ratio, f"ratio of joint {i}")
+        if value == 0:
+            raise ValueError(f"ratio of joint {i} must not be 0: leave that coordinate out")
+        return value
 
     def body(self, body: Body, i: int) -> Body:
         given = body.central

@@ -27,6 +27,7 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
+from moro.algorithms.drives import Functions, step, stribeck
 from moro.closed_form import ClosedForm
 from moro.identification.independence import Independence
 from moro.identification.standard_parameters import (
@@ -39,12 +40,13 @@ from moro.identification.standard_parameters import (
     values,
     vector,
 )
-from moro.model import Joint, Model
+from moro.model import Drive, Joint, Model
 from moro.printing.display import Display
 from moro.printing.plain import in_decimals, prefers_decimals
 from moro.printing.tables import Table
 from moro.scalars.trig import Coefficient, Monomial, Trig, TrigRing
 from moro.spatial.moments import Moments
+from moro.spatial.vectors import Scalar
 
 #: characters of a value that still goes into a table
 _SHORT = 80
@@ -161,8 +163,8 @@ def base_parameters(
         if all(x in known for x in form):
             value = display(sum((factor * known[x] for x, factor in form.items()), ring.zero))
         found.append(BaseParameter(leader, symbol, combination, value, _unit_of(leader, model)))
-    for i in range(model.dof):
-        for name, value in friction_coefficients(model, i).items():
+    for i in range(model.nv):
+        for name, value in drive_coefficients(model, i).items():
             x = Standard(i, name)
             found.append(BaseParameter(x, x.symbol, x.symbol, value, _unit_of(x, model)))
     return BaseParameters(sorted(found, key=lambda x: x.leader.place))
@@ -170,7 +172,7 @@ def base_parameters(
 
 def base_parameters_of(model: Model, zeros: bool | None = None) -> BaseParameters:
     """Return those base parameters of a model that count, without a robot's notation."""
-    ring, rates = TrigRing(), [sp.Dummy() for _ in model.joints]
+    ring, rates = TrigRing(), [sp.Dummy() for _ in model.coordinates]
     ClosedForm(model, ring)  # declares its angles
     for symbol in (*model.qs, *rates, *model.defaults):
         ring.generator(symbol)
@@ -178,18 +180,35 @@ def base_parameters_of(model: Model, zeros: bool | None = None) -> BaseParameter
     return base_parameters(model, ring, rates, display).counted(model, zeros)
 
 
-def friction_coefficients(model: Model, i: int) -> dict[str, Any]:
-    """Return what is set of a joint's friction: viscous (FV), and Coulomb's (FC, FD).
+def drive_coefficients(model: Model, j: int) -> dict[str, Any]:
+    """Return what torques are linear in of the friction and the spring of a coordinate.
 
-    FC is half the sum of what the two directions have, FD half the difference.
+    Viscous friction FV; Coulomb's FC, half the sum of what the two directions have, and FD, half
+    the difference; likewise FS and FE of what Stribeck's adds; a spring's stiffness KQ, and KR, its
+    torque at q = 0. ``terms_of_drive`` are what they are factors of.
     """
-    joint, coefficients = model.joints[i], {}
+    drive, coefficients = model.coordinates[j].drive, {}
     if "viscous_friction" not in model.not_set:
-        coefficients["FV"] = joint.viscous
+        coefficients["FV"] = drive.viscous
     if "coulomb_friction" not in model.not_set:
-        forward, backward = joint.coulomb
+        forward, backward = drive.coulomb
         coefficients |= {"FC": (forward + backward) / 2, "FD": (forward - backward) / 2}
+        if drive.static is not None:
+            more, less = drive.static[0] - forward, drive.static[1] - backward
+            coefficients |= {"FS": (more + less) / 2, "FE": (more - less) / 2}
+    if drive.stiffness != 0:
+        coefficients |= {"KQ": drive.stiffness, "KR": -drive.stiffness * drive.rest}
     return coefficients
+
+
+def terms_of_drive(drive: Drive, q: Scalar, qd: Scalar, functions: Functions) -> dict[str, Scalar]:
+    """Return the torques (forces) per unit of ``drive_coefficients``."""
+    s, fading = step(drive, qd, functions), 1
+    if drive.static is not None:
+        fading = stribeck(drive, qd, functions)
+    return {
+        "FV": qd, "FC": s, "FD": s * s, "FS": s * fading, "FE": s * s * fading, "KQ": q, "KR": 1,
+    }  # fmt: skip
 
 
 def inertial_symbols(model: Model) -> set[Any]:
@@ -227,12 +246,13 @@ def _combination(form: Form, display: Display) -> Any:
 
 
 def _unit_of(parameter: Standard, model: Model) -> str:
-    kind = model.joints[parameter.link].type
     if parameter.name in BODY:
         return {"M": "kg"}.get(parameter.name, "kg m" if parameter.name in MOMENTS else "kg m^2")
+    kind = model.types[parameter.link]
     if parameter.name == "IA":
         return "kg m^2" if kind.is_angle else "kg"
-    return f"{kind.effort} s/{kind.unit}" if parameter.name == "FV" else kind.effort
+    by = {"FV": f" s/{kind.unit}", "KQ": f"/{kind.unit}"}
+    return kind.effort + by.get(parameter.name, "")
 
 
 def base_forms(model: Model, ring: TrigRing, rates: Sequence[Any]) -> dict[Standard, Form]:
@@ -242,9 +262,10 @@ def base_forms(model: Model, ring: TrigRing, rates: Sequence[Any]) -> dict[Stand
     geometry and gravity matter, and whether there are rotors: all bodies count as general.
     """
     forms: dict[Standard, Form] = {}
-    names = BODY if "rotor_inertias" in model.not_set else (*BODY, "IA")
-    for i in range(model.dof):
-        forms |= {Standard(i, name): {Standard(i, name): ring.one} for name in names}
+    every = [Standard(i, name) for i in range(len(model.bodies)) for name in BODY]
+    if "rotor_inertias" not in model.not_set:
+        every += [Standard(j, "IA") for j in range(model.nv)]
+    forms |= {x: {x: ring.one} for x in every}
     _move_to_parents(forms, model.joints, ring)
     left = sorted(forms, key=lambda x: (x.name == "IA", *x.place))  # rotors join bodies
     for parameter, factors in Independence(model, ring, rates).dependences(left).items():

@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
+from moro.algorithms.drives import Functions
+from moro.identification.base_parameters import terms_of_drive
 from moro.identification.standard_parameters import BODY, Energies, Standard
 from moro.model import Model
 from moro.printing.equations import Equation, in_brackets
@@ -74,18 +76,18 @@ class _Columns:
         column = [self.ring.zero] * len(self._qs)
         if name in (*BODY, "IA"):
             K, P = self._energies.of(parameter)
-            moving = [i, *self._model.ancestors(i)]
+            moving = [i] if name == "IA" else self._model.moving(i)
             for j in moving:
                 column[j] = self._torque(K, P, j, moving)
-        elif name == "FV":
-            column[i] = self._qd[i]
         else:
-            sign = self.ring.convert(sp.sign(self._rates[i]))
-            column[i] = sign if name == "FC" else sign * sign
+            drive = self._model.coordinates[i].drive
+            functions = Functions(sp.sign, sp.tanh, sp.exp)
+            terms = terms_of_drive(drive, self._qs[i], self._rates[i], functions)
+            column[i] = self.ring.convert(terms[name])
         return column
 
     def _torque(self, K: Trig, P: Trig, j: int, moving: Sequence[int]) -> Trig:
-        """Return the torque at joint j; ``moving`` are the joints that move the link."""
+        """Return the torque at coordinate j; ``moving`` are those that move the link."""
         diff, q = self.ring.diff, self._qs[j]
         momentum = diff(K, self._rates[j])
         torque: Trig = diff(P, q) - diff(K, q)

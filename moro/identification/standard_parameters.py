@@ -32,15 +32,15 @@ MOMENTS = {"MX": 0, "MY": 1, "MZ": 2}
 BODY = (*TENSOR, *MOMENTS, "M")
 #: what of a robot must be set for the bodies to be known
 BODIES = frozenset({"masses", "cm_positions", "inertia_tensors"})
-#: all of a link: its body, its rotor, viscous friction, Coulomb friction: half the sum of what
-#: the two directions have, and half the difference
-NAMES = (*BODY, "IA", "FV", "FC", "FD")
+#: of a link, and of a coordinate its drive (``base_parameters.drive_coefficients``): rotor,
+#: viscous friction, Coulomb's, Stribeck's, spring
+NAMES = (*BODY, "IA", "FV", "FC", "FD", "FS", "FE", "KQ", "KR")
 
 Functions: TypeAlias = "tuple[Scalar, Scalar]"
 
 
 class Standard(NamedTuple):
-    """One of ``NAMES`` of a link, counted from 0."""
+    """One of ``NAMES`` of a link, or of a coordinate (its drive), counted from 0."""
 
     link: int
     name: str
@@ -105,8 +105,8 @@ def values(model: Model, ring: TrigRing) -> dict[Standard, Trig]:
             matrix(body.inertia, ring),
         )
         found |= {Standard(i, name): x for name, x in parameters(moments).items()}
-    for i, joint in enumerate(model.joints if "rotor_inertias" not in model.not_set else ()):
-        found[Standard(i, "IA")] = ring.convert(joint.rotor_inertia)
+    for j, x in enumerate(model.coordinates if "rotor_inertias" not in model.not_set else ()):
+        found[Standard(j, "IA")] = ring.convert(x.drive.rotor_inertia)
     return found
 
 

@@ -50,7 +50,7 @@ class Derivation:
 
     @property
     def dof(self) -> int:
-        """Number of joints, n."""
+        """Number of generalized coordinates, n: of joints, where each has its own."""
         return self._source.dof
 
     @property
@@ -141,7 +141,7 @@ class Derivation:
     def _at_rest(self, polynomials: Sequence[Trig]) -> list[Trig]:
         """Put in zero for the velocities of joint variables that are plain symbols."""
         still = [x for order in self._motion for x in order if x.is_Symbol]
-        still += [sp.sign(x) for x in still]
+        still += [x for x in self._ring.generators if still and x.has(*still)]
         return [self._ring.coefficients(p, still).get(0, self._ring.zero) for p in polynomials]
 
     # -- what was asked for -----------------------------------------------------------------------
@@ -167,4 +167,4 @@ class Derivation:
         return checks.index(i, 1, self.dof, "joint") - 1
 
     def _link(self, i: Any) -> int:
-        return checks.index(i, 1, self.dof, "link") - 1
+        return checks.index(i, 1, len(self._model.bodies), "link") - 1

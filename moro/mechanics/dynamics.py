@@ -7,8 +7,9 @@ from typing import Any
 import sympy as sp
 
 from moro.abc import t
+from moro.algorithms.drives import Functions
 from moro.checks import values as checks
-from moro.identification.base_parameters import friction_coefficients
+from moro.identification.base_parameters import drive_coefficients, terms_of_drive
 from moro.mechanics.derivation import Derivation
 from moro.printing.matrix_form import matrix_form
 from moro.printing.notebook import Equations
@@ -40,16 +41,16 @@ class Dynamics(Derivation):
         return self._scalar("K", self._total_kinetic_energy)
 
     def potential_energy(self) -> Any:
-        """P, the sum of all P_i [J]."""
+        """P, the sum of all P_i, and of 1/2 k (q - rest)^2 of springs [J]."""
         self._needed("masses", "cm_positions", "gravity")
-        return self._scalar("P", lambda: sum(self._form.potential_energies, self._ring.zero))
+        return self._scalar("P", self._total_potential_energy)
 
     def lagrangian(self) -> Any:
         """L = K - P [J]."""
         self._warn_if_static("lagrangian")
         self._needed("masses", "cm_positions", "inertia_tensors", "gravity")
         return self._scalar(
-            "L", lambda: self._total_kinetic_energy() - sum(self._form.potential_energies)
+            "L", lambda: self._total_kinetic_energy() - self._total_potential_energy()
         )
 
     # -- equations of motion ----------------------------------------------------------------------
@@ -93,7 +94,7 @@ class Dynamics(Derivation):
         return self._coriolis_matrix()
 
     def gravity_vector(self, collect: bool = False) -> Any:
-        """G = grad P (n x 1); ``collect=True`` names its constants."""
+        """G = grad P (n x 1), springs included; ``collect=True`` names its constants."""
         self._needed("masses", "cm_positions", "gravity")
         if collect:
             return self._collector.gravity_vector()
@@ -103,7 +104,7 @@ class Dynamics(Derivation):
         """Friction torques (n x 1), viscous * qd + Coulomb; zero where neither is set.
 
         Coulomb friction is (p - n)/2 sign(qd)^2 + (p + n)/2 sign(qd), that is p for qd > 0, -n for
-        qd < 0 and 0 at rest.
+        qd < 0 and 0 at rest; ``moro.model.Drive`` has the smooth kind, and Stribeck's.
         """
         self._warn_if_static("friction_vector")
         return sp.Matrix([self._friction(i) for i in range(self.dof)])
@@ -149,15 +150,19 @@ class Dynamics(Derivation):
         rotors: Trig = self._form.rotor_energy(self._rates())
         return links + rotors
 
+    def _total_potential_energy(self) -> Trig:
+        springs: Trig = self._form.spring_energy
+        return sum(self._form.potential_energies, springs)
+
     def _euler_lagrange(self) -> list[Trig]:
         return self._at_rest(self._form.euler_lagrange(*self._motion))
 
     def _friction(self, i: int) -> Any:
-        qd = self.qs[i].diff(t)
-        speed = {"FV": qd, "FC": sp.sign(qd), "FD": sp.sign(qd) ** 2}
-        found = friction_coefficients(self._model, i)
-        terms = (x * speed[name] for name, x in found.items())
-        return sum(terms, sp.Integer(0))
+        q, drive = self.qs[i], self._model.coordinates[i].drive
+        terms = terms_of_drive(drive, q, q.diff(t), Functions(sp.sign, sp.tanh, sp.exp))
+        found = drive_coefficients(self._model, i)
+        friction = (x * terms[name] for name, x in found.items() if name.startswith("F"))
+        return sum(friction, sp.Integer(0))
 
     def _taus(self) -> list[Any]:
         return [sp.Symbol(f"tau_{i}") for i in range(1, self.dof + 1)]

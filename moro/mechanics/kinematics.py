@@ -153,7 +153,7 @@ class Kinematics(Derivation):
     def _frame(self, i: int | str) -> Frame:
         named = {frame.name: frame for frame in self._model.frames}
         if not isinstance(i, str) or i.isdigit():  # numbers are no names
-            i = checks.index(i, 0, self.dof, "frame")
+            i = checks.index(i, 0, len(self._model.joints), "frame")
             joints = Frame(str(i), i - 1, Placement())
             return named.get(str(i), joints) if i else _BASE
         if i not in named:
@@ -199,7 +199,7 @@ class Kinematics(Derivation):
         return sum(terms, self._ring.zero)
 
     def _angular_velocity(self, joints: Iterable[int]) -> list[list[Trig]]:
-        rates, axes = self._rates(), self._form.geometry.axes
+        rates, axes = self._form.geometry.joint_rates(self._rates()), self._form.geometry.axes
         omega: Vector = (self._ring.zero,) * 3
         for k in joints:
             _, angular = self._model.joints[k].type.column(axes[k], axes[k])

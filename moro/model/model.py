@@ -21,9 +21,9 @@ from moro.spatial.vectors import Matrix, Scalar, Vector
 class Drive:
     """What acts at a coordinate beside the rigid bodies: rotor, friction, spring.
 
-    It adds ``rotor_inertia qdd + friction(qd) + stiffness (q - rest)`` to the torque (force), where
+    It adds rotor_inertia qdd + friction(qd) + stiffness (q - rest) to the torque (force), where
 
-        friction = viscous qd + s(qd) (coulomb + (static - coulomb) exp(-(qd / stribeck_velocity)^2)),
+        friction = viscous qd + s (coulomb + (static - coulomb) exp(-(qd / stribeck_velocity)^2)),
 
     s = sign(qd), or tanh(qd / width) with a width. Magnitudes may differ in the two directions.
     """
@@ -43,6 +43,24 @@ class Drive:
     #: of a spring [N m/rad or N/m], and where it is at rest [rad or m]
     stiffness: Scalar = 0
     rest: Scalar = 0
+
+    @property
+    def scalars(self) -> Iterator[Scalar]:
+        """All that it holds."""
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is not None:
+                yield from value if isinstance(value, tuple) else (value,)
+
+    def map(self, convert: Callable[[Scalar], Scalar]) -> Drive:
+        """Return the same drive with ``convert`` applied to every scalar."""
+
+        def converted(x: Any) -> Any:
+            if isinstance(x, tuple):
+                return tuple(map(convert, x))
+            return x if x is None else convert(x)
+
+        return Drive(*(converted(getattr(self, field.name)) for field in fields(self)))
 
 
 @dataclass(frozen=True)
@@ -169,9 +187,14 @@ class Model:
         object.__setattr__(self, "coordinates", self.coordinates or (Coordinate(),) * count)
 
     @property
+    def dof(self) -> int:
+        """Degrees of freedom: the number of coordinates, n."""
+        return len(self.coordinates)
+
+    @property
     def nv(self) -> int:
         """Number of generalized velocities, and of torques."""
-        return len(self.coordinates)
+        return self.dof
 
     @property
     def nq(self) -> int:
@@ -226,6 +249,10 @@ class Model:
         while (i := self.joints[i].parent) >= 0:
             yield i
 
+    def displacement(self, joint: Joint) -> Any:
+        """Return x of a joint in the variables of closed forms, A q + b."""
+        return sum((ratio * self.qs[j] for j, ratio in joint.terms), joint.offset)
+
     def moving(self, i: int) -> list[int]:
         """Return the coordinates that move link i, in order."""
         carrying = (self.joints[k] for k in (i, *self.ancestors(i)))
@@ -253,14 +280,6 @@ class Model:
                 terms=tuple((k, convert(ratio)) for k, ratio in j.terms),
             )
 
-        def drive(d: Drive) -> Drive:
-            return Drive(
-                *(
-                    x if x is None else tuple(map(convert, x)) if isinstance(x, tuple) else convert(x)
-                    for x in (getattr(d, f.name) for f in fields(Drive))
-                )
-            )
-
         def body(b: Body) -> Body:
             return replace(
                 b,
@@ -276,7 +295,7 @@ class Model:
             bodies=tuple(body(b) for b in self.bodies),
             gravity=vector(self.gravity),
             frames=tuple(replace(f, placement=placement(f.placement)) for f in self.frames),
-            coordinates=tuple(replace(x, drive=drive(x.drive)) for x in self.coordinates),
+            coordinates=tuple(replace(x, drive=x.drive.map(convert)) for x in self.coordinates),
         )
 
 

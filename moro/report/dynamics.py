@@ -87,10 +87,10 @@ def _energies(writer: Writer, terms: Terms) -> Iterator[Block]:
     kinetic = r"\frac{1}{2} m_i v_i^T v_i + \frac{1}{2} \omega_i^T R_{i0} I_i R_{i0}^T \omega_i"
     potential = "-m_i g_0^T r_{C_i}"
     yield Aligned([_formula("K_i", kinetic), _formula("P_i", potential)])
-    P = [writer.equation(f"P_{{{i}}}", robot.link_potential_energy(i)) for i in writer.numbers]
+    P = [writer.equation(f"P_{{{i}}}", robot.link_potential_energy(i)) for i in writer.links]
     total = [_formula("K", r"\frac{1}{2} \dot{q}^T M \dot{q}")]
     if _is_short(writer, terms):
-        K = [writer.equation(f"K_{{{i}}}", robot.link_kinetic_energy(i)) for i in writer.numbers]
+        K = [writer.equation(f"K_{{{i}}}", robot.link_kinetic_energy(i)) for i in writer.links]
         named = writer.collector.kinetic_energy().matrix[0] if terms.named else None
         total = [writer.equation("K", named or robot.kinetic_energy())]
         if writer.lines(K) <= few:

@@ -46,30 +46,38 @@ def _rows(writer: Writer, arm: Description) -> Iterator[Block]:
 
 
 def _joints(writer: Writer) -> Iterator[Block]:
-    n = writer.model.dof
+    model = writer.model
+    n = len(model.joints)
     yield paragraph(
         f"A robot with {n} joint{'s' if n > 1 else ''}. Link $i$ is moved by joint $i$, about or "
-        "along the $z$ axis of its frame; $p_i$ is the link that carries it, $0$ the base."
+        "along the $z$ axis of its frame, by $x_i$; $p_i$ is the link that carries it, $0$ the "
+        "base."
     )
-    yield from _table(writer, ("i", "p_i"), [(joint.parent + 1,) for joint in writer.model.joints])
+    rows = [(joint.parent + 1, model.displacement(joint)) for joint in model.joints]
+    yield from _table(writer, ("i", "p_i", "x_i"), rows)
 
 
 def _table(writer: Writer, names: Sequence[str], rows: Sequence[Any]) -> Iterator[Block]:
     """Yield what is given of each joint, its type, and the limits if there are any."""
-    write, joints = writer.write, writer.model.joints
-    numbered = zip(writer.numbers, rows, joints, strict=True)
+    write, model = writer.write, writer.model
+    numbered = zip(writer.links, rows, model.joints, strict=True)
     lines = [[write(i), *map(write, row), [text(joint.type.name)]] for i, row, joint in numbered]
     heads: list[str | Formula] = [*names, [text("joint")]]
-    if "joint_limits" not in writer.source.assumed:
-        heads.append([text("limits")])
+    if "joint_limits" in writer.source.assumed:
+        yield from writer.table(heads, lines)
+    elif model.is_coupled:
+        yield from writer.table(heads, lines)
+        limits = [[write(i), _limits(writer, i)] for i in writer.numbers]
+        yield from writer.table(["i", [text("limits")]], limits)
+    else:
         for i, line in zip(writer.numbers, lines, strict=True):
             line.append(_limits(writer, i))
-    yield from writer.table(heads, lines)
+        yield from writer.table([*heads, [text("limits")]], lines)
 
 
 def _limits(writer: Writer, i: int) -> Formula:
-    """Return what is given of the range of joint i."""
-    limits = writer.model.joints[i - 1].limits
+    """Return what is given of the range of coordinate i."""
+    limits = writer.model.coordinates[i - 1].limits
     if not limits:
         return [text("not given")]
     lower, upper = map(writer.write, limits)
@@ -132,8 +140,7 @@ def _component(vectors: Sequence[Any], k: int) -> list[Any]:
 def _legend(writer: Writer) -> Iterator[Block]:
     robot, write = writer.robot, writer.write
     parts: list[str | Formula] = []
-    joints = zip(robot.qs, writer.model.joints, strict=True)
-    turning = [q for q, joint in joints if joint.type.is_angle]
+    turning = [q for q, kind in zip(robot.qs, writer.model.types, strict=True) if kind.is_angle]
     if turning and writer.notation.short:
         long = Notation(robot.qs, short=False)
         parts.append("Sines and cosines are abbreviated: ")

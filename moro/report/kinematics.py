@@ -21,13 +21,13 @@ def kinematics(writer: Writer) -> Iterator[Section]:
 
 def _frames(writer: Writer) -> Iterator[Block]:
     robot, parents = writer.robot, [joint.parent + 1 for joint in writer.model.joints]
-    for i, parent, T in zip(writer.numbers, parents, robot.Ts, strict=True):
+    for i, parent, T in zip(writer.links, parents, robot.Ts, strict=True):
         yield from writer.transform(f"T_{{{writer.index(i, parent)}}}", T)
     if any(parents):
         yield paragraph("Their products, the frames expressed in frame $0$:")
-    for i in (i for i, parent in zip(writer.numbers, parents, strict=True) if parent):
+    for i in (i for i, parent in zip(writer.links, parents, strict=True) if parent):
         yield from writer.transform(f"T_{{{writer.index(i, 0)}}}", robot.T_i0(i))
-    numbers = {str(i) for i in writer.numbers}
+    numbers = {str(i) for i in writer.links}
     for frame in (x.name for x in writer.model.frames if x.name not in numbers):
         yield paragraph(f"Frame {frame}, expressed in frame $0$:")
         yield from writer.transform("T", robot.T_i0(frame))
@@ -49,7 +49,7 @@ def _centres_of_mass(writer: Writer) -> Iterator[Block]:
         r"$v_i = J_{v_i} \dot{q}$ and $\omega_i = J_{\omega_i} \dot{q}$:"
     )
     omitted = []
-    for i in writer.numbers:
+    for i in writer.links:
         yield from writer.vector(f"r_{{C_{{{i}}}}}", robot.r_cm(i))
         linear, angular = f"J_{{v_{{{i}}}}}", rf"J_{{\omega_{{{i}}}}}"
         Jv, Jw = robot.Jv_cm_i(i), robot.Jw_cm_i(i)

@@ -27,8 +27,9 @@ class Writer:
         self.collector = collector
         self.model = source.model()
         self.notation = source.notation
-        #: joints or links, from 1
+        #: coordinates from 1, and links
         self.numbers = range(1, robot.dof + 1)
+        self.links = range(1, len(self.model.bodies) + 1)
         self._page = page
 
     def write(self, expr: Any) -> Formula:
@@ -70,9 +71,9 @@ class Writer:
         return entries(name, M, self.write)
 
     def columns(self, columns: Mapping[str, Sequence[Any]]) -> Iterator[Block]:
-        """Yield a table of values by link."""
-        cells = [[self.write(column[i - 1]) for column in columns.values()] for i in self.numbers]
-        lines = [[self.write(i), *row] for i, row in zip(self.numbers, cells, strict=True)]
+        """Yield a table of values, by link or by coordinate."""
+        rows = enumerate(zip(*columns.values(), strict=True), 1)
+        lines = [[self.write(i), *map(self.write, row)] for i, row in rows]
         yield from self.table(["i", *columns], lines)
 
     def table(

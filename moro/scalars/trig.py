@@ -430,9 +430,9 @@ class TrigRing:
                 number = _as_integer(Fraction(int(slope.p), int(slope.q)))
                 self._add_angle_derivative(terms, p, self.pairs[angle], number)
             else:
-                inner = dict[Monomial, Coefficient]()
-                self._add_angle_derivative(inner, p, self.pairs[angle], 1)
-                derivative += self._without_zeros(inner) * self.convert(slope)
+                by_angle = dict[Monomial, Coefficient]()
+                self._add_angle_derivative(by_angle, p, self.pairs[angle], 1)
+                derivative += self._without_zeros(by_angle) * self.convert(slope)
         derivative += self._without_zeros(terms)
         for index, inner in self._depending_on(variable):
             outer = {}

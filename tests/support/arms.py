@@ -7,7 +7,7 @@ import numpy as np
 import sympy as sp
 import yaml
 
-from moro.model import PRISMATIC, REVOLUTE, Body, Frame, Joint, Model, Placement
+from moro.model import PRISMATIC, REVOLUTE, Body, Coordinate, Drive, Frame, Joint, Model, Placement
 
 NAMES = ("puma560", "stanford_arm", "panda", "ur5", "two_link")
 TESTS = Path(__file__).parents[1]
@@ -82,7 +82,6 @@ def model_from_rows(rows, convention, bodies, gravity, drives=(), name="arm", pa
                 parents[i],
                 Placement(as_tuples(R), tuple(p)),
                 theta if revolute else d,
-                **(drives[i] if drives else {}),
             )
         )
         mass, cm, inertia = bodies[i]
@@ -92,7 +91,8 @@ def model_from_rows(rows, convention, bodies, gravity, drives=(), name="arm", pa
         placed.append(Body(mass, tuple(mass * cm), as_tuples(J)))
     R, p = after(rows[-1]) if convention == "dh" else (sp.eye(3), sp.zeros(3, 1))
     tip = Frame("tip", count - 1, Placement(as_tuples(R), tuple(p)))
-    return Model(name, tuple(joints), tuple(placed), tuple(gravity), (tip,))
+    coordinates = tuple(Coordinate(drive=Drive(**drive)) for drive in drives or [{}] * count)
+    return Model(name, tuple(joints), tuple(placed), tuple(gravity), (tip,), coordinates)
 
 
 def after(row):

@@ -8,7 +8,7 @@ from exact import exact_arm, exact_state, rational
 from recursion import inverse_dynamics
 
 from moro.closed_form import ClosedForm
-from moro.model import Model
+from moro.model import Coordinate, Drive, Model
 from moro.scalars.dual import DualRing
 
 
@@ -29,7 +29,7 @@ class Exact:
 
     @property
     def rotors(self):
-        return [joint.rotor_inertia for joint in self.model.joints]
+        return [x.drive.rotor_inertia for x in self.model.coordinates]
 
     def torques(self, qd, qdd, gravity=True):
         """Newton-Euler, with the rotors (tested against point masses in test_newton_euler)."""
@@ -50,11 +50,8 @@ def exact_case(seed, massive=False, tree=None):
     n = int(rng.integers(1, 7))
     model, points = exact_arm(rng, n, tree=bool(seed % 2) if tree is None else tree)
     rotors = [abs(rational(rng)) + massive if rng.random() < 0.5 + massive else 0 for _ in range(n)]
-    joints = [
-        replace(joint, rotor_inertia=rotor)
-        for joint, rotor in zip(model.joints, rotors, strict=True)
-    ]
-    return Exact(replace(model, joints=tuple(joints)), points, *exact_state(rng, n))
+    coordinates = tuple(Coordinate(drive=Drive(rotor)) for rotor in rotors)
+    return Exact(replace(model, coordinates=coordinates), points, *exact_state(rng, n))
 
 
 def reference_case(name):

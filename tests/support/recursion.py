@@ -1,5 +1,7 @@
 """The recursive algorithms from a model, its positions and sines: posture and algorithm in one."""
 
+from dataclasses import replace
+
 from moro.algorithms.articulated_body import joint_accelerations
 from moro.algorithms.composite_rigid_body import joint_inertia
 from moro.algorithms.coriolis import joint_coriolis
@@ -9,6 +11,7 @@ from moro.algorithms.kinematics import frame_jacobian, poses
 from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import posture, with_frame
 from moro.algorithms.regressor import body_regressor
+from moro.model import Coordinate
 
 
 def inverse_dynamics(model, q, qd, qdd, sincos):
@@ -56,7 +59,12 @@ def with_tip(model, q, sincos):
 
 
 def rotors(model):
-    return [joint.rotor_inertia for joint in model.joints]
+    return [x.drive.rotor_inertia for x in model.coordinates]
+
+
+def without_rotors(model):
+    drives = [replace(x.drive, rotor_inertia=0) for x in model.coordinates]
+    return replace(model, coordinates=tuple(Coordinate(drive=x) for x in drives))
 
 
 def parameters(model):

@@ -16,7 +16,19 @@ import sympy as sp
 
 from moro.formats.dh.arm import Arm, Row
 from moro.formats.dh.meanings import meanings
-from moro.model import Body, Central, Frame, Joint, Model, Parameter, Placement, Shift, Turn
+from moro.model import (
+    Body,
+    Central,
+    Coordinate,
+    Drive,
+    Frame,
+    Joint,
+    Model,
+    Parameter,
+    Placement,
+    Shift,
+    Turn,
+)
 from moro.model.placement import Step
 from moro.spatial.vectors import (
     Matrix,

@@ -1,5 +1,6 @@
 """Every function: exactly what the algorithms say of the arm, in graphs and in kernels."""
 
+import math
 import random
 from dataclasses import replace
 from fractions import Fraction
@@ -28,9 +29,10 @@ import moro_codegen as mc
 from moro.abc import q1, q2, q3, q4
 from moro.algorithms.articulated_body import joint_accelerations
 from moro.algorithms.composite_rigid_body import joint_inertia
-from moro.algorithms.drives import drive_torques
+from moro.algorithms.drives import Functions, drive_torques
 from moro.algorithms.factorization import factorized, solution
 from moro.algorithms.newton_euler import joint_torques
+from moro.model import Coordinate
 from moro_codegen.functions.catalogue import FUNCTIONS, System
 from moro_codegen.graph.from_sympy import Converter
 from moro_codegen.graph.nodes import Graph, count, schedule
@@ -46,7 +48,7 @@ class Algorithms:
         self.still = [0] * model.dof
 
     def drives(self, qd, qdd):
-        return drive_torques(self.model, qd, qdd, self.sign)
+        return drive_torques(self.model, qd, qdd, Functions(self.sign, math.tanh, math.exp))
 
     def tau(self, qd, qdd):
         rigid = inverse_dynamics(self.model, self.q, qd, qdd, self.pairs)
@@ -98,11 +100,11 @@ def flat(value):
 def test_exact(seed):
     case = exact_case(seed, massive=True)
     rng = np.random.default_rng(seed)
-    joints = [
-        replace(joint, viscous=rational(rng), coulomb=(rational(rng), rational(rng)))
-        for joint in case.model.joints
+    drives = [
+        replace(x.drive, viscous=rational(rng), coulomb=(rational(rng), rational(rng)))
+        for x in case.model.coordinates
     ]
-    model = replace(case.model, joints=tuple(joints))
+    model = replace(case.model, coordinates=tuple(Coordinate(drive=x) for x in drives))
     program = generate(model, TESTED)
     expected = Algorithms(model, case.sincos, case.q, sign=lambda x: Fraction((x > 0) - (x < 0)))
     tau, wrench = ([rational(rng) for _ in range(size)] for size in (case.n, 6))
@@ -240,7 +242,7 @@ def test_cheaper_algorithm_is_chosen():
 
 def by_factorization(arm, rotors, qd, tau):
     bias = joint_torques(arm, qd, [0] * len(qd))
-    factors = factorized(joint_inertia(arm, rotors), arm.links)
+    factors = factorized(joint_inertia(arm, rotors), arm)
     return solution(factors, [x - y for x, y in zip(tau, bias, strict=True)])
 
 

@@ -24,7 +24,7 @@ from recursion import inverse_dynamics
 import moro as mr
 from moro import Robot
 from moro.abc import q1, q2, q3
-from moro.algorithms.drives import drive_torques
+from moro.algorithms.drives import Functions, drive_torques
 from moro.model import Parameter
 from moro_codegen.program import generate
 
@@ -48,7 +48,7 @@ def tau(model, **options):
 def expected_tau(model, q, qd, qdd):
     model = numeric(model)
     rigid = np.array(inverse_dynamics(model, q, qd, qdd, sincos(model, q)))
-    return rigid + drive_torques(model, qd, qdd, np.sign)
+    return rigid + drive_torques(model, qd, qdd, Functions(np.sign, np.tanh, np.exp))
 
 
 def assert_close(result, expected, tolerance=1e-12):
@@ -129,7 +129,7 @@ def test_friction_is_never_forgotten():
         (full,) = evaluate(tau(model), q, qd, qdd)
         (rigid,) = evaluate(tau(model, rigid=True), q, qd, qdd)
         side = 0 if direction > 0 else 1
-        coulomb = [direction * float(joint.coulomb[side]) for joint in model.joints]
+        coulomb = [direction * float(x.drive.coulomb[side]) for x in model.coordinates]
         np.testing.assert_allclose(full - rigid, coulomb, rtol=1e-8, atol=1e-10)
 
 

@@ -7,7 +7,10 @@ import pytest
 from arms import NAMES
 from dynamics import exact_case, reference_case
 from exact import body
-from recursion import forward_dynamics
+from recursion import forward_dynamics, without_rotors
+from recursion import rotors as rotors_of
+
+from moro.model import Coordinate
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -18,8 +21,7 @@ def test_exact(seed):
 @pytest.mark.parametrize("seed", [2, 3, 4, 6, 33, 39])  # bodies enough
 def test_without_rotors(seed):
     case = exact_case(seed)
-    joints = tuple(replace(joint, rotor_inertia=0) for joint in case.model.joints)
-    undone(replace(case, model=replace(case.model, joints=joints)))
+    undone(replace(case, model=without_rotors(case.model)))
 
 
 def undone(case):
@@ -29,10 +31,9 @@ def undone(case):
 
 def test_joint_that_moves_nothing():
     case = exact_case(0, massive=True)
-    last = replace(case.model.joints[-1], rotor_inertia=0)
     model = replace(
         case.model,
-        joints=(*case.model.joints[:-1], last),
+        coordinates=(*case.model.coordinates[:-1], Coordinate()),
         bodies=(*case.model.bodies[:-1], body([])),
     )
     with pytest.raises(ZeroDivisionError):
@@ -47,7 +48,7 @@ def test_reference(name):
     """
     model, pairs, state = reference_case(name)
     q, qd, qdd = (state[key].T for key in ("q", "qd", "qdd"))
-    rotors = np.array([joint.rotor_inertia for joint in model.joints])
+    rotors = np.array(rotors_of(model))
     tau = state["tau_rigid"].T + rotors[:, None] * qdd
     found = forward_dynamics(model, q, qd, list(tau), pairs)
     rounding = 1e-14 * np.abs(tau).max(axis=0)

@@ -1,6 +1,5 @@
 """Energies: exactly those of the points, and their rate is the power of the torques."""
 
-from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 from arms import NAMES, numeric, random_model, sincos
 from dynamics import assert_close, exact_case, reference_case
 from exact import moving_points
-from recursion import inverse_dynamics, kinetic_energy, potential_energy
+from recursion import inverse_dynamics, kinetic_energy, potential_energy, rotors, without_rotors
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -26,8 +25,9 @@ def test_exact(seed):
 def test_reference(name):
     model, pairs, state = reference_case(name)
     q, qd = state["q"].T, state["qd"].T
-    bare = replace(model, joints=tuple(replace(j, rotor_inertia=0) for j in model.joints))
-    assert_close([kinetic_energy(bare, q, qd, pairs)], state["kinetic_energy_rigid"][None])
+    assert_close(
+        [kinetic_energy(without_rotors(model), q, qd, pairs)], state["kinetic_energy_rigid"][None]
+    )
     assert_close([potential_energy(model, q, pairs)], state["potential_energy"][None])
 
 
@@ -37,8 +37,7 @@ def test_power(seed):
     rng = np.random.default_rng(seed)
     model = numeric(random_model(rng, 6, tree=bool(seed % 2)))
     q, qd, qdd = rng.uniform(-3, 3, (3, 6))
-    rotors = np.array([joint.rotor_inertia for joint in model.joints])
-    tau = inverse_dynamics(model, q, qd, qdd, sincos(model, q)) + rotors * qdd
+    tau = inverse_dynamics(model, q, qd, qdd, sincos(model, q)) + np.array(rotors(model)) * qdd
     x, v = q + 1e-30j * qd, qd + 1e-30j * qdd
     pairs = sincos(model, x)
     E = kinetic_energy(model, x, v, pairs) + potential_energy(model, x, pairs)

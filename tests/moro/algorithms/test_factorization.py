@@ -18,7 +18,7 @@ def arm(case):
 def test_exact(seed):
     case = exact_case(seed, massive=True)
     M, n = case.M, case.n
-    factors = factorized(M, arm(case).links)
+    factors = factorized(M, arm(case))
     L = [[factors.L[i][j] if j < i else int(i == j) for j in range(n)] for i in range(n)]
     D = [1 / x for x in factors.reciprocals]
     product = [
@@ -39,4 +39,4 @@ def test_accelerations(seed):
     bias = case.torques(case.qd, [0] * case.n)
     left = [x - y for x, y in zip(tau, bias, strict=True)]
     expected = forward_dynamics(case.model, case.q, case.qd, tau, case.sincos)
-    assert solution(factorized(case.M, arm(case).links), left) == expected
+    assert solution(factorized(case.M, arm(case)), left) == expected

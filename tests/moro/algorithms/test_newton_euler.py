@@ -1,5 +1,6 @@
 """Recursive Newton-Euler against numbers from outside, and exactly against point masses."""
 
+import math
 from dataclasses import replace
 from fractions import Fraction
 
@@ -17,8 +18,8 @@ from arms import (
 from exact import exact_arm, exact_state, point_torques, rational
 from recursion import inverse_dynamics
 
-from moro.algorithms.drives import drive_torques
-from moro.model import Body
+from moro.algorithms.drives import Functions, drive_torques
+from moro.model import Body, Coordinate, Drive
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -27,7 +28,7 @@ def test_reference(name):
     for state in reference_states(name):
         q, qd, qdd = (np.array(state[key]) for key in ("q", "qd", "qdd"))
         rigid = np.array(inverse_dynamics(model, q, qd, qdd, sincos(model, q)))
-        full = rigid + drive_torques(model, qd, qdd, np.sign)
+        full = rigid + drive_torques(model, qd, qdd, Functions(np.sign, np.tanh, np.exp))
         for tau, key in ((rigid, "tau_rigid"), (full, "tau")):
             expected = np.array(state[key])
             assert np.abs(tau - expected).max() <= 1e-12 * np.abs(expected).max()
@@ -99,18 +100,19 @@ def test_arrays_of_samples():
 def test_wrong_number_of_positions():
     model = numeric(random_model(np.random.default_rng(1), 3))
     q, qd, qdd = random_state(np.random.default_rng(1), 3)
-    with pytest.raises(ValueError, match="zip"):
+    with pytest.raises(ValueError, match="2 values for 3 coordinates"):
         inverse_dynamics(model, q[:2], qd, qdd, sincos(model, q))
 
 
 def test_drives():
     """Rotor inertia, viscous friction, and Coulomb's, different in the two directions."""
     model, _ = exact_arm(np.random.default_rng(2), 1)
-    joint = replace(model.joints[0], rotor_inertia=2, viscous=3, coulomb=(Fraction(5), Fraction(7)))
-    model = replace(model, joints=(joint,))
+    drive = Drive(2, 3, (Fraction(5), Fraction(7)))
+    model = replace(model, coordinates=(Coordinate(drive=drive),))
+    functions = Functions(lambda x: (x > 0) - (x < 0), math.tanh, math.exp)
 
     def torque(qd):
-        (tau,) = drive_torques(model, [qd], [Fraction(1, 2)], lambda x: (x > 0) - (x < 0))
+        (tau,) = drive_torques(model, [qd], [Fraction(1, 2)], functions)
         return tau - 1
 
     assert torque(4) == 12 + 5

@@ -17,6 +17,8 @@ from moro.model import (
     REVOLUTE,
     Body,
     Central,
+    Coordinate,
+    Drive,
     Frame,
     Joint,
     Model,
@@ -40,10 +42,16 @@ def one(**changes):
     """A pendulum in plain numbers, floats among them."""
     placement = Placement.by(Turn("x", 1.5707963267948966), Shift((0, 0, 0.1)))
     given = {"type": REVOLUTE, "parent": -1, "placement": placement, "offset": 0.5}
-    joint = Joint(**(given | {k: x for k, x in changes.items() if k in Joint.__dataclass_fields__}))
+
+    def changed(kind, **given):
+        known = kind.__dataclass_fields__
+        return kind(**(given | {k: x for k, x in changes.items() if k in known}))
+
+    joint, coordinate = changed(Joint, **given), changed(Coordinate, drive=changed(Drive))
     body = Body(2, (0.2, 0, 0), ((0, 0, 0), (0, 1, 0), (0, 0, 1)))
-    rest = {k: x for k, x in changes.items() if k in Model.__dataclass_fields__}
-    return replace(Model("pendulum", (joint,), (body,), (0, 0, -9.81)), **rest)
+    pendulum = Model("pendulum", (joint,), (body,), (0, 0, -9.81), coordinates=(coordinate,))
+    rest = {k: x for k, x in changes.items() if k in Model.__dataclass_fields__ and k != "name"}
+    return replace(pendulum, **rest)
 
 
 class TestTree:
@@ -189,10 +197,11 @@ def test_wrong_models_are_refused(changes, error, message):
 
 
 def test_joints_need_variables_of_their_own():
-    joint = Joint(REVOLUTE, -1, Placement(), variable=q1)
+    base = Joint(REVOLUTE, -1, Placement())
+    joints, coordinates = (base, replace(base, parent=0)), (Coordinate(q1),) * 2
     body = Body(1, (0, 0, 0), ZEROS)
     with pytest.raises(ValueError, match="joints 1 and 2 have the same variable"):
-        Robot.of(Model("twice", (joint, replace(joint, parent=0)), (body, body), (0, 0, 0)))
+        Robot.of(Model("twice", joints, (body, body), (0, 0, 0), (), coordinates))
 
 
 def test_only_models_are_models():

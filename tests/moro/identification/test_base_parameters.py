@@ -216,7 +216,7 @@ def check_torques(robot, states=12):
     Y = np.array([[ring.evaluate(x, values) for x in column] for column in columns])
     model = numeric(robot.model())
     tau = np.broadcast_arrays(*inverse_dynamics(model, q, qd, qdd, sincos(model, q)), q[0])[:-1]
-    tau += np.array([joint.rotor_inertia for joint in model.joints])[:, None] * qdd
+    tau += np.array([x.drive.rotor_inertia for x in model.coordinates])[:, None] * qdd
     friction = as_function(list(robot.friction_vector()), robot)(*q, *qd, *qdd)
     tau += np.array(np.broadcast_arrays(*friction, q[0])[:-1], dtype=float)
     p = np.array(parameters.values, dtype=float).ravel()

@@ -56,8 +56,8 @@ class TestRows:
         values = {q: rng.uniform(-3, 3) for q in robot.qs}
         model, T = robot.model(), matrix()
         poses = [matrix()]
-        for joint in model.joints:
-            x = float(values[joint.variable] + joint.offset)
+        for joint, q in zip(model.joints, robot.qs, strict=True):
+            x = float(values[q] + joint.offset)
             moved = turn("z", x) if joint.type == REVOLUTE else shift(z=x)
             poses.append(poses[-1] @ matrix(joint.placement.R, joint.placement.p) @ moved)
         for row, frame in zip(robot.dh_parameters, model.frames, strict=True):
