@@ -20,6 +20,7 @@ q2 + q3, so that their rotations compose without products; see ``TrigRing.declar
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
@@ -162,6 +163,8 @@ class TrigRing:
         # joint variable -> it as {basic angle: whole multiple} plus a constant
         self._joint_angles: dict[Any, tuple[dict[Any, int], Any]] = {}
         self._slopes: dict[Any, dict[Any, Any]] = {}  # variable -> {angle: its derivative}
+        # joint variable -> {multiple that is not whole: the sum [(multiple, times)] that it is}
+        self._parts: dict[Any, dict[Any, list[tuple[Any, int]]]] = {}
 
     # -- generators -------------------------------------------------------------------------------
 
@@ -236,14 +239,15 @@ class TrigRing:
         return product
 
     def _reciprocal(self, base: Any) -> Trig:
-        """Return one over ``base``; a polynomial in symbols cancels with it in products."""
+        """Return one over ``base``; a polynomial in symbols, or a cosine, cancels in products."""
         meaning = sp.Pow(base, -1)
-        symbols = base.free_symbols
-        if meaning not in self._index and symbols and base.is_polynomial(*symbols):
+        symbols, cosines = base.free_symbols, self._sines.values()
+        polynomial = symbols and base.is_polynomial(*symbols)
+        if meaning not in self._index and (polynomial or isinstance(base, sp.cos)):
             divisor = self.convert(base)
             reciprocal = self.generator(meaning)
             factors = {i for m in divisor.terms for i, _ in self.exponents(m)}
-            if all(self.generators[i].is_Symbol for i in factors):
+            if all(self.generators[i].is_Symbol or i in cosines for i in factors):
                 self.reciprocals[self._index[meaning]] = divisor
                 self._cancel_with(divisor, *reciprocal.terms)
         return self.generator(meaning)
@@ -393,6 +397,12 @@ class TrigRing:
                 work.extend(sp.Add.make_args(sp.expand(factor * offset)))
                 for a, n in basic.items():
                     terms[a] = terms.get(a, 0) + int(factor * n)
+            elif rest in self._joint_angles:
+                for multiple, n in self._in_parts(rest, factor):
+                    if multiple.is_Integer:
+                        work.append(n * multiple * rest)
+                    else:
+                        terms[multiple * rest] = terms.get(multiple * rest, 0) + n
             elif not factor.is_Integer:  # sin(-q/2) is -sin(q/2)
                 sign = -1 if factor.is_negative else 1
                 terms[sign * part] = terms.get(sign * part, 0) + sign
@@ -404,6 +414,24 @@ class TrigRing:
         """Return whether a multiple of a joint variable is one of basic angles, all whole."""
         basic, _ = self._joint_angles[variable]
         return all((factor * n).is_Integer for n in basic.values())
+
+    def _in_parts(self, variable: Any, factor: Any) -> list[tuple[Any, int]]:
+        """Return a multiple of a joint variable, that is not whole, as multiples met before.
+
+        2.09 q is q + 1.09 q where 1.09 q has been met; one that is no such sum is a new one.
+        """
+        size, sign = abs(factor), 1 if factor > 0 else -1
+        parts = self._parts.setdefault(variable, {})
+        if size not in parts:
+            known = [sp.Integer(1), *(x for x, found in parts.items() if found == [(x, 1)])][:4]
+            sums = (
+                [(x, n) for x, n in zip(known, numbers, strict=True) if n]
+                for numbers in itertools.product(range(-3, 4), repeat=len(known))
+                if sum(x * n for x, n in zip(known, numbers, strict=True)) == size
+            )
+            shortest = min(sums, key=lambda found: sum(abs(n) for _, n in found), default=None)
+            parts[size] = shortest or [(size, 1)]
+        return [(multiple, sign * n) for multiple, n in parts[size]]
 
     def _basic_sincos(self, angle: Any) -> tuple[Trig, Trig]:
         sine, cosine = self._pair(angle)
