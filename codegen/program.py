@@ -76,7 +76,10 @@ class Program:
             routine.outputs,
             self.parameters,
             routine.ops,
-            tuple(Part(part.name, len(part.outputs)) for part in function.parts),
+            tuple(
+                Part(part.kind or part.name, len(part.outputs), part.frame or "")
+                for part in function.parts
+            ),
             DTYPES[self.scalar],
         )
 

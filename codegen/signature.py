@@ -37,6 +37,8 @@ class Part:
     name: str
     #: how many results it has
     outputs: int
+    #: the frame that it is of, if that was named
+    frame: str = ""
 
 
 @dataclass(frozen=True)

@@ -300,7 +300,7 @@ class _Emission:
         arguments = [f"const {self.real} {declarator(a)}" for a in self.inputs]
         arguments.append(f"{self.real} *{self.local['w']}")
         return [
-            (prototype(f"{self.name}_{k}", arguments, "PART"), self.scalar_lines(steps))
+            (prototype(f"{self.name}_part_{k}", arguments, "PART"), self.scalar_lines(steps))
             for k, steps in enumerate(self.parts.steps[:-1], start=1)
         ]
 
@@ -328,7 +328,7 @@ class _Emission:
         """Return the parts over vectors but the last: prototype and lines."""
         arguments = ["const lanes *x", f"lanes *{self.local['w']}"]
         return [
-            (prototype(f"{self.lanes_name}_{k}", arguments, "PART"), self.lanes_lines(steps))
+            (prototype(f"{self.lanes_name}_part_{k}", arguments, "PART"), self.lanes_lines(steps))
             for k, steps in enumerate(self.parts.steps[:-1], start=1)
         ]
 
@@ -356,7 +356,7 @@ class _Emission:
         if not count:
             return []
         given = ", ".join([*inputs, w])
-        calls = [f"{name}_{k}({given});" for k in range(1, count + 1)]
+        calls = [f"{name}_part_{k}({given});" for k in range(1, count + 1)]
         return [f"{type_} {w}[{self.parts.room}];", *calls]
 
     # -- batches ---------------------------------------------------------------------------------

@@ -15,6 +15,7 @@ from moro.formats.loading import packaged
 from moro_codegen import FUNCTIONS, registry
 from moro_codegen.backends.toolchain import ToolchainError
 from moro_codegen.cli.robot_file import read
+from moro_codegen.functions.catalogue import Function
 from moro_codegen.installation import versions
 
 #: what a person can cause: bad input, no compiler, a folder that cannot be written
@@ -29,7 +30,7 @@ def _epilog() -> str:
     functions = [
         line
         for function in FUNCTIONS.values()
-        for line in (f"  {function.name}", *_indented(function.summary))
+        for line in (f"  {_called(function)}", *_indented(function.summary))
     ]
     return "\n\n".join(
         [
@@ -41,12 +42,20 @@ def _epilog() -> str:
     )
 
 
+def _called(function: Function) -> str:
+    """Return how a function is asked for: jacobian[@FRAME]."""
+    return function.name + "[@FRAME]" * (function.frame is not None)
+
+
 def _indented(text: str) -> list[str]:
     return textwrap.wrap(text, WIDTH, initial_indent=" " * 6, subsequent_indent=" " * 6)
 
 
 class _Names(click.ParamType):  # type: ignore[type-arg]
-    """Names with commas between them, of those there are; ``+`` joins what is done together."""
+    """Names with commas between them, of those there are.
+
+    ``joined``: of functions, where ``+`` joins what is done together and ``@`` names a frame.
+    """
 
     name = "names"
 
@@ -62,6 +71,7 @@ class _Names(click.ParamType):  # type: ignore[type-arg]
         items = [item.strip() for item in value.split(",") if item.strip()]
         names = [item.split("+") if self.joined else [item] for item in items]
         for name in (name for group in names for name in group):
+            name = name.partition("@")[0] if self.joined else name
             if name not in self.there:
                 known = ", ".join(self.there)
                 self.fail(f"no {name!r}; {hint(name, self.there)}there are {known}.", param, ctx)
@@ -97,7 +107,8 @@ class _Scalar(click.Choice):  # type: ignore[type-arg]
     type=_Names(FUNCTIONS, joined=True),
     default="tau",
     show_default=True,
-    help="What to generate, as listed below, with commas in between; a+b are two in one call.",
+    help="What to generate, as listed below, with commas in between; a+b are two in one call, "
+    "jacobian@camera is of the frame called camera.",
 )
 @click.option(
     "-o",

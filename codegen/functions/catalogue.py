@@ -36,6 +36,8 @@ from moro_codegen.passes.factor import factored
 
 #: from an arm in a posture to results, flat
 Algorithm = Callable[[Posture], Sequence[Scalar]]
+#: what functions of a frame call it, unless another is asked for (``at_frame``)
+LAST = "the last frame"
 #: a sequence of nodes for every output, flat
 Outputs = list[Sequence[Node]]
 
@@ -130,6 +132,15 @@ class Function:
     parameters: Mapping[Any, Any] = field(default_factory=dict, hash=False)
     #: what it computes together, in the order of its outputs; itself if that is all
     together: tuple[Function, ...] = ()
+    #: name of the frame that it is of, "" for the last; None if it is of none
+    frame: str | None = None
+    #: its name in the catalogue, if that is another
+    kind: str = ""
+
+    @property
+    def request(self) -> str:
+        """What asks for it: jacobian, jacobian@camera."""
+        return f"{self.kind}@{self.frame}" if self.frame else self.name
 
     @property
     def parts(self) -> tuple[Function, ...]:
@@ -313,10 +324,10 @@ WRENCH = Argument(
     "wrench",
     (6,),
     "N, N m",
-    "force, then moment about the origin of frame n, on the last link; in frame 0",
+    f"force, then moment about the origin of {LAST}, on its link; in frame 0",
 )
-T = Argument("T", (4, 4), "1, m", "pose of frame n in frame 0: [[R, p], [0, 1]]")
-J = Argument("J", (6, "n"), "m/rad, 1", "(v, omega) of frame n = J qd; in frame 0")
+T = Argument("T", (4, 4), "1, m", f"pose of {LAST} in frame 0: [[R, p], [0, 1]]")
+J = Argument("J", (6, "n"), "m/rad, 1", f"(v, omega) of {LAST} = J qd; in frame 0")
 M = Argument("M", ("n", "n"), "kg m^2 to kg", "inertia matrix, symmetric")
 C = Argument("C", ("n", "n"), "N m s to N s/m", "Coriolis matrix")
 G = Argument("G", ("n",), "N m or N", "torques (forces) against gravity")
@@ -343,10 +354,11 @@ FUNCTIONS = {
             "tau_with_wrench",
             (Q, QD, QDD, WRENCH),
             (TAU,),
-            "Inverse dynamics against a wrench w that the environment exerts on the last link: "
-            "M(q) qdd + C(q, qd) qd + G(q) - J(q)^T w, with rotor inertia and friction.",
+            "Inverse dynamics against a wrench w that the environment exerts on the link of "
+            f"{LAST}: M(q) qdd + C(q, qd) qd + G(q) - J(q)^T w, with rotor inertia and friction.",
             _tau_with_wrench,
-            "recursive Newton-Euler, with the wrench on a further link at frame n",
+            f"recursive Newton-Euler, with the wrench on a further link at {LAST}",
+            frame="",
         ),
         Function(
             "bias",
@@ -409,17 +421,19 @@ FUNCTIONS = {
             "forward_kinematics",
             (Q,),
             (T,),
-            "Forward kinematics: the pose of the last frame.",
+            f"Forward kinematics: the pose of {LAST}.",
             _forward_kinematics,
             "product of the transforms",
+            frame="",
         ),
         Function(
             "jacobian",
             (Q,),
             (J,),
-            "Jacobian of the last frame: velocity of its origin, angular velocity.",
+            f"Jacobian of {LAST}: velocity of its origin, angular velocity.",
             _jacobian,
-            "joint axes, and the way from each to the tip",
+            "joint axes, and the way from each to the frame",
+            frame="",
         ),
         Function(
             "kinetic_energy",

@@ -8,18 +8,20 @@ from typing import TypeAlias
 
 from moro.checks.meant import hint
 from moro.model import Model
+from moro_codegen.functions.at_frame import at_frame
 from moro_codegen.functions.base_regressor import Regressor
 from moro_codegen.functions.catalogue import FUNCTIONS, KNOWN, REGRESSOR, Function
 from moro_codegen.functions.own import UserFunction
 from moro_codegen.functions.together import together
 
-#: a name of KNOWN, the regressor with a choice, a function of one's own, or any that is ready
+#: a name of KNOWN or one at a frame ("jacobian@camera"), the regressor with a choice, a function of
+#: one's own, or any that is ready
 One: TypeAlias = str | Regressor | UserFunction | Function
 #: one of these, or a tuple of several to be computed together
 Request: TypeAlias = One | tuple[One, ...]
 
-#: the C functions made of a function f are called f, f_batch, f_1 and so on
-DERIVED = re.compile(r"(.+?)(_batch|_loop|_lanes|_\d+|_lanes_\d+)")
+#: the C functions made of a function f are called f, f_batch, f_part_1 and so on
+DERIVED = re.compile(r"(.+?)(_batch|_loop|_lanes|(_lanes)?_part_\d+)")
 
 
 def requested(functions: Sequence[Request], model: Model) -> tuple[Function, ...]:
@@ -31,26 +33,36 @@ def requested(functions: Sequence[Request], model: Model) -> tuple[Function, ...
     if isinstance(functions, str):
         raise TypeError(f"functions is a tuple of names: functions=({functions!r},)")
     found = [_requested(item, model) for item in functions]
-    own = [item for item in _flat(functions) if isinstance(item, UserFunction)]
-    names = [function.name for function in found]
-    for name in (function.name for function in own):
-        derived = DERIVED.fullmatch(name)
+    own = [item.name for item in _flat(functions) if isinstance(item, UserFunction)]
+    for name in own:
         if name in KNOWN:
             raise ValueError(f"a function cannot be named {name!r}: that is one of moro's own")
+    at_frames = [part.name for function in found for part in function.parts if part.frame]
+    names = [function.name for function in found]
+    for name in (*own, *at_frames):
+        derived = DERIVED.fullmatch(name)
         if derived and derived[1] in names:
             raise ValueError(f"a function cannot be named {name!r}: that belongs to {derived[1]}")
     for name in names:
         if names.count(name) > 1:
-            raise ValueError(f"two functions are called {name}")
+            asked = dict.fromkeys(one.request for one in found if one.name == name)
+            which = f": {' and '.join(asked)}" if len(asked) > 1 else ""
+            raise ValueError(f"two functions are called {name}{which}")
     if not found:
         raise ValueError(f"no functions: there are {', '.join(KNOWN)}")
     return tuple(found)
 
 
 def named(name: str, model: Model) -> Function:
-    """Return the function of a name. Raise ValueError, with the nearest name, if there is none."""
+    """Return the function of a name, or of one at a frame: jacobian, jacobian@camera.
+
+    Raises ValueError, with the nearest name, if there is none.
+    """
+    name, at, frame = name.partition("@")
     if name not in KNOWN:
         raise ValueError(f"no function {name!r}; {hint(name, KNOWN)}there are {', '.join(KNOWN)}")
+    if at:
+        return at_frame(KNOWN[name], frame, model)
     return Regressor().entry(model) if name == REGRESSOR.name else FUNCTIONS[name]
 
 

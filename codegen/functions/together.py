@@ -26,14 +26,15 @@ def together(functions: Sequence[Function]) -> Function:
     if len(names) < 2:
         asked = f"only {names[0]}" if names else "none"
         raise ValueError(f"a tuple of functions is for two or more in one call, found {asked}")
-    inputs = _inputs(functions)
+    taken = _taken(functions)
+    inputs = _first_motion({a.name: a for arguments in taken for a in arguments})
 
     def build(system: System, *given: Sequence[Node]) -> list[Sequence[Node]]:
         nodes = dict(zip((a.name for a in inputs), given, strict=True))
         return [
             result
-            for function in functions
-            for result in function.build(system, *(nodes[a.name] for a in function.inputs))
+            for function, arguments in zip(functions, taken, strict=True)
+            for result in function.build(system, *(nodes[a.name] for a in arguments))
         ]
 
     return Function(
@@ -48,9 +49,20 @@ def together(functions: Sequence[Function]) -> Function:
     )
 
 
-def _inputs(functions: Sequence[Function]) -> tuple[Argument, ...]:
-    """Return all inputs, each once; q, qd and qdd before others, as everywhere."""
-    found = {a.name: a for function in functions for a in function.inputs}
+def _taken(functions: Sequence[Function]) -> list[tuple[Argument, ...]]:
+    """Return the inputs of each; those of one name that mean two things get their function's."""
+    count = Counter(a.name for a in {a for function in functions for a in function.inputs})
+    return [
+        tuple(
+            replace(a, name=f"{function.name}_{a.name}") if count[a.name] > 1 else a
+            for a in function.inputs
+        )
+        for function in functions
+    ]
+
+
+def _first_motion(found: dict[str, Argument]) -> tuple[Argument, ...]:
+    """Return inputs with q, qd and qdd before others, as everywhere."""
     first = [found.pop(name) for name in ("q", "qd", "qdd") if name in found]
     return (*first, *found.values())
 

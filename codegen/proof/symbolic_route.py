@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from moro.checks.constants import for_numpy
 from moro.closed_form import ClosedForm
-from moro.model import Drive, Model, as_model
+from moro.model import Drive, Frame, Model, as_model
 from moro.scalars.dual import DualRing
 from moro.scalars.trig import Trig, TrigRing
 from moro_codegen.proof import at_states
@@ -196,21 +196,19 @@ class Dynamics:
         energy: Array = _values([*form.potential_energies, form.spring_energy]).sum(axis=0)
         return energy
 
-    @cached_property
-    def T(self) -> Array:
-        """The pose of frame n in frame 0, (states, 4, 4)."""
-        R, p = self._form.geometry.pose(self._form.model.tip)
+    def T(self, frame: Frame) -> Array:
+        """Return the pose of a frame in frame 0, (states, 4, 4)."""
+        R, p = self._form.geometry.pose(frame)
         T = np.zeros((len(self.q), 4, 4))
         T[:, :3, :3] = np.moveaxis(_rows(R), -1, 0)
         T[:, :3, 3] = _values(p).T
         T[:, 3, 3] = 1
         return T
 
-    @cached_property
-    def J(self) -> Array:
-        """The Jacobian of frame n, (states, 6, n), linear rows first."""
+    def J(self, frame: Frame) -> Array:
+        """Return the Jacobian of a frame, (states, 6, n), linear rows first."""
         zero = self._form.ring.zero
-        columns = self._form.geometry.jacobian(self._form.model.tip, (zero, zero, zero))
+        columns = self._form.geometry.jacobian(frame, (zero, zero, zero))
         J: Array = _rows(columns).transpose(2, 1, 0)
         return J
 

@@ -11,7 +11,9 @@ import numpy as np
 import sympy as sp
 
 from moro import Robot
-from moro.model import Model, as_model
+from moro.checks.frames import frame_called
+from moro.model import Frame, Model, as_model
+from moro_codegen.functions.catalogue import KNOWN
 from moro_codegen.functions.own import Formula, Scope, UserFunction
 from moro_codegen.kernel.kernel import Kernel
 from moro_codegen.progress import shown, tell
@@ -23,6 +25,7 @@ from moro_codegen.proof.symbolic_route import (
     evaluated,
     spread,
 )
+from moro_codegen.signature import Part
 
 __all__ = [
     "CHECKS",
@@ -43,7 +46,7 @@ TOLERANCES = {"float64": TOLERANCE, "float32": 2e-4}
 #: components of a state that are all smaller than this part of those of all states have no digits
 FLOOR = 1e-3
 
-#: on the last link, in functions that take one; the same in single and double precision
+#: on the link of the frame, in functions that take one; the same in single and double precision
 WRENCH: Array = np.array([3.0, -5.0, 7.0, 1.125, 1.25, -1.75])
 
 
@@ -94,10 +97,10 @@ def _product(M: Array, factor: Array, expected: Array) -> Pair:
     return Pair(found[..., 0] if vector else found, expected, np.max(sizes, axis=(1, 2), initial=0))
 
 
-#: for each function of the catalogue, what its results are compared with
+#: for each function of the catalogue, what its results are compared with; of a frame, it is given
 CHECKS: dict[str, Callable[..., Pairs]] = {
     "tau": lambda x, tau: [Pair(tau, x.tau)],
-    "tau_with_wrench": lambda x, tau: [Pair(tau, x.tau - WRENCH @ x.J)],
+    "tau_with_wrench": lambda x, frame, tau: [Pair(tau, x.tau - WRENCH @ x.J(frame))],
     "bias": lambda x, bias: [Pair(bias, x.bias)],
     "gravity_vector": lambda x, G: [Pair(G, x.G)],
     "inertia_matrix": lambda x, M: [Pair(M, x.M)],
@@ -105,8 +108,8 @@ CHECKS: dict[str, Callable[..., Pairs]] = {
     "forward_dynamics": _accelerations,
     "tau_derivatives": _derivatives,
     "forward_dynamics_derivatives": _acceleration_derivatives,
-    "forward_kinematics": lambda x, T: [Pair(T, x.T)],
-    "jacobian": lambda x, J: [Pair(J, x.J)],
+    "forward_kinematics": lambda x, frame, T: [Pair(T, x.T(frame))],
+    "jacobian": lambda x, frame, J: [Pair(J, x.J(frame))],
     "kinetic_energy": lambda x, K: [Pair(K, x.K)],
     "potential_energy": lambda x, P: [Pair(P, x.P)],
     "regressor": lambda x, Y, p: [Pair(np.einsum("sij,sj->si", Y, p), x.tau)],
@@ -233,13 +236,13 @@ def verify(
         pairs: list[Pair] = []
         with np.errstate(all="ignore"):  # what is infinite or NaN shows in the errors
             for part, results in _results(kernel, name, expected):
-                if part in CHECKS:
-                    pairs += CHECKS[part](expected, *results)
-                    inverting |= part in INVERTING
-                elif part in own:
-                    pairs += _by_expression(own[part], kernel, expected, results)
+                if part.name in CHECKS:
+                    pairs += CHECKS[part.name](expected, *_frame(part, model), *results)
+                    inverting |= part.name in INVERTING
+                elif part.name in own:
+                    pairs += _by_expression(own[part.name], kernel, expected, results)
                 else:
-                    unchecked[part] = None
+                    unchecked[part.name] = None
             if pairs:
                 errors[name] = np.concatenate([_errors(pair) for pair in pairs])
     return Verification(
@@ -274,17 +277,26 @@ def _check_alike(kernel: Kernel, model: Model) -> None:
         )
 
 
-def _results(kernel: Kernel, name: str, x: Dynamics) -> Iterator[tuple[str, list[Array]]]:
+def _results(kernel: Kernel, name: str, x: Dynamics) -> Iterator[tuple[Part, list[Array]]]:
     """Yield the results of a function at the states, for each function that it is made of."""
     signature = kernel.signatures[name]
-    inputs = {"q": x.q, "qd": x.qd, "qdd": x.qdd, "wrench": WRENCH}
+    inputs = {"q": x.q, "qd": x.qd, "qdd": x.qdd}
     if any(a.name == "tau" for a in signature.given):
         inputs["tau"] = x.tau
     parameters = for_kernel(kernel, x.parameters) or None
-    found = getattr(kernel, name)(*[inputs[a.name] for a in signature.given], parameters)
+    found = getattr(kernel, name)(
+        *[inputs.get(a.name, WRENCH) for a in signature.given], parameters
+    )
     results = iter(found if len(signature.outputs) > 1 else (found,))
     for part in signature.parts:
-        yield part.name, [next(results) for _ in range(part.outputs)]
+        yield part, [next(results) for _ in range(part.outputs)]
+
+
+def _frame(part: Part, model: Model) -> list[Frame]:
+    """Return the frame that a function is of, if it is of any."""
+    if KNOWN[part.name].frame is None:
+        return []
+    return [frame_called(model, part.frame) if part.frame else model.tip]
 
 
 def _by_expression(

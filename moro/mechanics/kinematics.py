@@ -9,13 +9,12 @@ import sympy as sp
 
 from moro.abc import t
 from moro.checks import values as checks
+from moro.checks.frames import frame_called
 from moro.formats.hand_made import central
 from moro.mechanics.derivation import Derivation
-from moro.model import Central, Frame, Placement
+from moro.model import Central, Frame
 from moro.scalars.trig import Trig
 from moro.spatial.vectors import Vector, add, product, scaled, times, transpose
-
-_BASE = Frame("0", -1, Placement())
 
 
 class Kinematics(Derivation):
@@ -54,7 +53,7 @@ class Kinematics(Derivation):
     @property
     def T(self) -> sp.Matrix:
         """Forward kinematics T_n0: frame n, or the tip, expressed in frame 0 (4 x 4)."""
-        return self._pose(self._model.tip, _BASE)
+        return self._pose(self._model.tip, self._frame(0))
 
     def T_i0(self, i: int | str) -> sp.Matrix:
         """Frame i expressed in frame 0 (4 x 4)."""
@@ -83,10 +82,13 @@ class Kinematics(Derivation):
         """Geometric Jacobian of frame n, or the tip, in frame 0 (6 x n, linear rows first)."""
         return self._jacobian(self._model.tip, (0, 0, 0))
 
+    def J_i0(self, i: int | str) -> sp.Matrix:
+        """Geometric Jacobian of the origin of frame i, in frame 0 (6 x n, linear rows first)."""
+        return self._jacobian(self._frame(i), (0, 0, 0))
+
     def J_point(self, point: Any, i: int | str) -> sp.Matrix:
         """Geometric Jacobian of a point of link i, given in frame i (6 x n, linear rows first)."""
-        named = isinstance(i, str) and not i.isdigit()
-        frame = self._frame(i if named else self._link(i) + 1)
+        frame = self._frame(i if isinstance(i, str) else self._link(i) + 1)
         return self._jacobian(frame, checks.vector(point, "point", self.qs))
 
     def J_cm_i(self, i: int) -> sp.Matrix:
@@ -151,15 +153,7 @@ class Kinematics(Derivation):
     # -- elements ---------------------------------------------------------------------------------
 
     def _frame(self, i: int | str) -> Frame:
-        named = {frame.name: frame for frame in self._model.frames}
-        if not isinstance(i, str) or i.isdigit():  # numbers are no names
-            i = checks.index(i, 0, len(self._model.joints), "frame")
-            joints = Frame(str(i), i - 1, Placement())
-            return named.get(str(i), joints) if i else _BASE
-        if i not in named:
-            near = checks.suggestion(i, named)
-            raise ValueError(f"no frame is called {i}; frames are {', '.join(named) or 0}{near}")
-        return named[i]
+        return frame_called(self._model, i)
 
     def _pose(self, frame: Frame, reference: Frame) -> sp.Matrix:
         def rows() -> list[list[Trig]]:

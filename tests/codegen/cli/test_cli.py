@@ -98,11 +98,11 @@ def test_functions_and_languages(tmp_path):
 
 
 def test_functions_without_tau(tmp_path):
-    done = run("two_link", "-f", "jacobian", "--backend", "numpy", cwd=tmp_path)
+    done = run("two_link", "-f", "jacobian@1", "--backend", "numpy", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert "one call of jacobian from Python" in done.stdout
-    assert "jacobian per sample of 4096" in done.stdout
-    assert "two_link: jacobian(q)" in done.stdout
+    assert "one call of jacobian_1 from Python" in done.stdout
+    assert "jacobian_1 per sample of 4096" in done.stdout
+    assert "two_link: jacobian_1(q)" in done.stdout
 
 
 def test_cython_backend(tmp_path):
@@ -138,6 +138,8 @@ def test_unknown_functions_and_languages(tmp_path):
     refused(run("two_link", "-f", ",", cwd=tmp_path), "none given; there are tau, ")
     refused(run("two_link", "-f", "tau,tau", cwd=tmp_path), "two functions are called tau")
     refused(run("two_link", "-f", "tau+tau", cwd=tmp_path), "tau is asked for twice in tau+tau")
+    refused(run("two_link", "-f", "jacobian@hand", cwd=tmp_path), "no frame is called 'hand'")
+    refused(run("two_link", "-f", "jacobin@1", cwd=tmp_path), "no 'jacobin'; did you mean")
     refused(run("two_link", "--emit", "c,pyton", cwd=tmp_path), "did you mean 'python'?")
     refused(run("ur5", "-f", "forward_dynamics", cwd=tmp_path), "no inertia resists joint 6")
     assert not (tmp_path / "build").exists()
@@ -171,7 +173,12 @@ def test_help_explains_itself(tmp_path):
         "Exit code",
         "manifest",
     )
-    for word in (*words, *FUNCTIONS, "Jacobian of the last frame: velocity of its origin"):
+    for word in (
+        *words,
+        *FUNCTIONS,
+        "jacobian[@FRAME]",
+        "Jacobian of the last frame: velocity of its origin",
+    ):
         assert word in done.stdout
 
 

@@ -160,7 +160,7 @@ def test_names_that_cannot_be(name):
 
 
 @pytest.mark.parametrize(
-    "name", ["tau", "inertia_matrix", "ops", "library", "name", "tau_batch", "tau_2"]
+    "name", ["tau", "inertia_matrix", "ops", "library", "name", "tau_batch", "tau_part_2"]
 )
 def test_names_that_are_taken(arm, name, tmp_path):
     with pytest.raises(ValueError, match=f"cannot be named '{name}'"):

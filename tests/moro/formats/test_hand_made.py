@@ -62,17 +62,22 @@ class TestTree:
         assert robot.T_ij("hand", 3) == robot.T_ij(3, "hand").inv()
         assert robot.T_ij("hand", 3)[0, 3] == sp.Symbol("h")
         assert robot.r_o("camera") == sp.Matrix([0, 0, 2])
+        assert robot.T_i0("5") == robot.T_i0(5)
+        assert robot.T_i0("0") == robot.T_i0(0) == sp.eye(4)
         assert robot.Ts[3] == robot.T_ij(4, 1)
-        with pytest.raises(ValueError, match=r'no frame is called hnd; .*did you mean "hand"'):
+        with pytest.raises(ValueError, match=r"no frame is called 'hnd'; .*did you mean \"hand\""):
             robot.T_i0("hnd")
         with pytest.raises(IndexError, match=r"frame index must be 0\.\.5, not 6"):
             robot.T_i0(6)
 
     def test_jacobians_are_the_derivatives_of_positions(self):
         robot = Robot.of(tree())
-        for J, r in ((robot.J, robot.r_o("hand")), (robot.J_point([0, 0, 0], "camera"), None)):
-            expected = sp.zeros(3, 5) if r is None else r.jacobian(robot.qs)
-            assert robot.simplify(J[:3, :] - expected) == sp.zeros(3, 5)
+        assert robot.J_i0("hand") == robot.J
+        assert robot.J_point([0, 0, 0], "camera") == robot.J_i0("camera") == sp.zeros(6, 5)
+        for i in ("hand", 5, 3, 0):
+            J, r = robot.J_i0(i), robot.r_o(i)
+            assert robot.simplify(J[:3, :] - r.jacobian(robot.qs)) == sp.zeros(3, 5)
+        assert robot.J_i0(5)[5, :] == sp.Matrix([[1, 0, 0, 1, 1]])
         for i in range(1, 6):
             assert robot.Jv_cm_i(i) == robot.simplify(robot.r_cm(i).jacobian(robot.qs))
             assert robot.v_cm(i) == robot.simplify(robot.r_cm(i).diff(t))
