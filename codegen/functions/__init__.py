@@ -1,10 +1,11 @@
 """What can be generated.
 
-arguments   what functions take and give: names, shapes, units, frames
-catalogue   the functions of the dynamics
-own         functions of one's own, in SymPy
-regressor   the regressor in base parameters
-together    several functions in one call
-singular    arms without forward dynamics
-requested   what was asked for, brought to one form
+arguments       what functions take and give: names, shapes, units, frames
+catalogue       the functions of the dynamics
+at_frame        those of a frame, at any
+own             functions of one's own, in SymPy
+base_regressor  the regressor in base parameters
+together        several functions in one call
+singular        arms without forward dynamics
+requested       what was asked for, brought to one form
 """

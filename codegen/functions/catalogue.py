@@ -454,7 +454,7 @@ FUNCTIONS = {
     )
 }
 
-#: what is known of it without a robot (``regressor.regressor``); b is the number of base parameters
+#: what is known of it without a robot (``base_regressor``); b is the number of base parameters
 REGRESSOR = Function(
     "regressor",
     (Q, QD, QDD),

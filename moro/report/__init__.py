@@ -32,8 +32,5 @@ def report(robot: Mechanics, source: Source, collector: Collector, target: Forma
 
 def sections(writer: Writer) -> list[Section]:
     """Return the sections of the report."""
-    derived = [*kinematics(writer), *dynamics(writer)]
-    return [
-        *introduction(writer),
-        *derived,
-    ]  # last, since it says whether numbers have been rounded
+    derived = [*kinematics(writer), *dynamics(writer)]  # first: the legend says what was rounded
+    return [*introduction(writer), *derived]
