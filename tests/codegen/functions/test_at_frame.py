@@ -35,6 +35,14 @@ def tree(seed):
     return replace(model, frames=frames)
 
 
+def coupled(seed):
+    """The same with its last joint moved by the first two coordinates."""
+    model = tree(seed)
+    *joints, last = model.joints
+    last = replace(last, terms=((0, sp.Integer(-1)), (1, sp.Rational(1, 2))))
+    return replace(model, joints=(*joints, last), coordinates=model.coordinates[:-1])
+
+
 def pose_and_jacobian(robot, frame, q):
     """By differentiating the pose: the columns are dp/dq_k, and w of [w] = dR/dq_k R^T."""
     T = robot.T_i0(frame)
@@ -54,6 +62,7 @@ ROBOTS = [
     *((random_robot(random.Random(k), 5, convention), "3") for k, convention in
       enumerate(("dh", "mdh", "dh"))),
     *((Robot.of(tree(seed)), frame) for seed in (1, 3) for frame in ("camera", "wall", "2")),
+    *((Robot.of(coupled(3)), frame) for frame in ("tool", "camera")),
 ]  # fmt: skip
 
 
