@@ -54,16 +54,17 @@ def compile(
     ``functions`` are names of ``moro_codegen.FUNCTIONS``, functions of one's own, and tuples of
     these for several in one call: ``("tau", mc.Function("height", robot.T[2, 3]), ("tau",
     "inertia_matrix"))`` makes ``kernel.tau``, ``kernel.height`` and ``kernel.tau_inertia_matrix``,
-    which returns (tau, M) and computes once what they share. Kernels are kept in ``directory``, by
-    default in the user's cache folder, and built only once for the same robot, functions, compiler
-    and processor. ``backend="numpy"`` needs no compiler; ``backend="cython"`` needs Cython and
-    setuptools besides, and makes a package that can be installed without moro. With
-    ``dtype="float32"`` (or "float", as C and the command say; NumPy's "float" is double) the
-    functions compute in single precision, twice as many samples at once.
-    ``arch`` is the oldest processor that the kernel must run on, as the compiler's -march calls it
-    (``x86-64-v3``), if it is not the one at hand. Raises ToolchainError for what is missing,
-    ValueError for a function that does not exist or a robot whose name is no C identifier, and
-    OSError for a folder in which nothing can be kept.
+    which returns (tau, M) and computes once what they share. What is of the last frame is of any
+    other by its name: ``"jacobian@camera"`` makes ``kernel.jacobian_camera``. Kernels are kept in
+    ``directory``, by default in the user's cache folder, and built only once for the same robot,
+    functions, compiler and processor. ``backend="numpy"`` needs no compiler; ``backend="cython"``
+    needs Cython and setuptools besides, and makes a package that can be installed without moro.
+    With ``dtype="float32"`` (or "float", as C and the command say; NumPy's "float" is double) the
+    functions compute in single precision, twice as many samples at once. ``arch`` is the oldest
+    processor that the kernel must run on, as the compiler's -march calls it (``x86-64-v3``), if it
+    is not the one at hand. Raises ToolchainError for what is missing, ValueError for a function
+    that does not exist or a robot whose name is no C identifier, and OSError for a folder in which
+    nothing can be kept.
     """
     if not isinstance(robot, (Robot, Model)):
         load = f": moro.load({robot!r})" if isinstance(robot, (str, os.PathLike)) else ""
