@@ -101,7 +101,7 @@ def remarks(links: Sequence[LinkData], gravity: Sequence[Any] | None) -> Iterato
             yield Remark(field, i, remark)
         for field, remark in _angles(link):
             yield Remark(field, i, remark)
-        if link.inertia and (remark := _unphysical(link.inertia)):
+        if link.inertia and (remark := unphysical(link.inertia)):
             yield Remark("inertia", i, remark)
     if short:  # else the size of the arm is no measure
         yield from _masses_and_inertias(links)
@@ -178,7 +178,7 @@ def _acceleration(gravity: Sequence[Any]) -> str | None:
     return None
 
 
-def _unphysical(tensor: Rows) -> str | None:
+def unphysical(tensor: Rows) -> str | None:
     """Find what no body has, and the order in which its six values would be those of one."""
     fault = _fault(tensor)
     if fault is None:
