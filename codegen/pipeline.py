@@ -105,7 +105,7 @@ def build(
     arch: str = "native",
     named_by_key: bool = False,
     languages: Collection[str] = (),
-    source: Mapping[str, str] | None = None,
+    source: Mapping[str, Any] | None = None,
     timings: Mapping[str, float] | None = None,
 ) -> Kernel:
     """Return the kernel of a program in ``directory``, built anew only if another one is there.
@@ -171,7 +171,7 @@ def sources(
     return {writer: writer.emit(program) for writer in writers}
 
 
-def _manifest(program: Program, work: _Work, source: Mapping[str, str] | None) -> dict[str, Any]:
+def _manifest(program: Program, work: _Work, source: Mapping[str, Any] | None) -> dict[str, Any]:
     """Return a kernel's manifest; its "key" is the hash of everything that shapes the kernel."""
     compiler = work.compiler
     texts = {path: text for written in work.texts.values() for path, text in written.items()}
@@ -180,6 +180,7 @@ def _manifest(program: Program, work: _Work, source: Mapping[str, str] | None) -
         "name": program.name,
         "dof": program.dof,
         "joint_kinds": list(program.joint_kinds),
+        "joint_names": list(program.joint_names),
         "convention": program.convention,
         "gravity": None if program.gravity is None else list(program.gravity),
         "scalar": program.scalar,

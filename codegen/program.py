@@ -65,6 +65,8 @@ class Program:
     #: frame 0 [m/s^2] as text (None if it was not set)
     convention: str = ""
     gravity: tuple[str, ...] | None = None
+    #: of the joints; "" where they have none
+    joint_names: tuple[str, ...] = ()
 
     def signature(self, routine: Routine) -> Signature:
         """Return what one of the routines takes and returns."""
@@ -137,6 +139,7 @@ def assembled(
         scalar,
         model.convention,
         None if "gravity" in model.not_set else tuple(map(_text, model.gravity)),
+        tuple(x.name for x in model.coordinates),
     )
 
 

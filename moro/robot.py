@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Generic, Literal, TypeVar, overload
 
@@ -94,18 +94,31 @@ class Robot(Mechanics):
         super().__init__(Description(*rows, convention=convention, name=name, **others))
 
     @classmethod
-    def load(cls: type[_Self], source: str | os.PathLike[str]) -> _Self:
+    def load(
+        cls: type[_Self],
+        source: str | os.PathLike[str],
+        *,
+        root: str | None = None,
+        tip: str | Sequence[str] | None = None,
+        fix: Mapping[str, Any] | None = None,
+        as_written: bool = False,
+    ) -> _Self:
         """Return the robot that a file describes.
 
-        ``source`` is the path of a robot file, or the name of a packaged arm. Where it could be
-        both, it is the packaged arm; ``./puma560`` is always a path.
+        ``source`` is the path of a robot.yaml or a URDF, or the name of a packaged arm. Where it
+        could be both, it is the packaged arm; ``./puma560`` is always a path.
+
+        Of a URDF, ``root`` and ``tip`` name the links between which the robot is meant (several
+        tips: all ways to them; what is fixed on the way belongs to it), ``fix`` the joints that
+        stand still, {name: position [rad or m]}. Decimals that are a multiple of pi/4 or pi/6 to
+        the last digit, 1.5708, are that angle, unless ``as_written``; ``model_summary`` lists them.
 
         Raises ``moro.io.RobotFileError``, a ValueError, that lists all that is wrong with the file,
         with lines and fields. Warns (RobotFileWarning) of what is legal but probably not meant.
         """
         from moro.formats.loading import description  # which asks for more than SymPy
 
-        return cls.of(description(source))
+        return cls.of(description(source, root=root, tip=tip, fix=fix, as_written=as_written))
 
     @classmethod
     def of(cls: type[_Self], model: Model | Source) -> _Self:

@@ -1,4 +1,4 @@
-"""``moro-codegen robot.yaml``: from the description of an arm to a verified, compiled kernel."""
+"""``moro-codegen robot.yaml``: from the description of a robot to a verified, compiled kernel."""
 
 from __future__ import annotations
 
@@ -96,6 +96,25 @@ class _Scalar(click.Choice):  # type: ignore[type-arg]
         return super().convert(NUMPY_NAMES.get(str(value), value), param, ctx)
 
 
+class _Fixed(click.ParamType):  # type: ignore[type-arg]
+    """A joint that stands still, and where: ``wrist=0.5``, ``wrist=-pi/2``."""
+
+    name = "joint=value"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, Any]:
+        joint, is_there, text = str(value).rpartition("=")
+        if not is_there or not joint:
+            self.fail(f"{value!r} is no joint=value, wrist=0.5 say.", param, ctx)
+        from moro.formats.yaml.expressions import ExpressionError, parse
+
+        try:
+            return joint, parse(text)
+        except ExpressionError as error:
+            self.fail(f"{value!r}: {error}", param, ctx)
+
+
 @click.command(
     epilog=_epilog(),
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": WIDTH + 2},
@@ -109,6 +128,23 @@ class _Scalar(click.Choice):  # type: ignore[type-arg]
     show_default=True,
     help="What to generate, as listed below, with commas in between; a+b are two in one call, "
     "jacobian@camera is of the frame called camera.",
+)
+@click.option("--root", help="Of a URDF: the link that stands still, at the base.")
+@click.option(
+    "--tip",
+    multiple=True,
+    help="Of a URDF: the link at which the robot ends; may be given several times.",
+)
+@click.option(
+    "--fix",
+    type=_Fixed(),
+    multiple=True,
+    help="Of a URDF: a joint that stands still, and where [rad or m]; may be given several times.",
+)
+@click.option(
+    "--as-written",
+    is_flag=True,
+    help="Of a URDF: 1.5708 is that decimal, and not pi/2.",
 )
 @click.option(
     "-o",
@@ -166,6 +202,10 @@ class _Scalar(click.Choice):  # type: ignore[type-arg]
 def main(
     robot: str,
     functions: tuple[Any, ...],
+    root: str | None,
+    tip: tuple[str, ...],
+    fix: tuple[tuple[str, Any], ...],
+    as_written: bool,
     output: Path,
     backend: str,
     scalar: str,
@@ -174,15 +214,16 @@ def main(
     as_json: bool,
     no_benchmark: bool,
 ) -> None:
-    """Make a compiled kernel of an arm's dynamics, and prove it.
+    """Make a compiled kernel of a robot's dynamics, and prove it.
 
-    ROBOT is a robot.yaml, or the name of a packaged arm. The equations of motion are derived
-    symbolically; a kernel, by default tau(q, qd, qdd), is generated on an independent route,
-    compiled, compared with the equations at random and awkward states, and timed. BUILD/NAME/ gets
-    the C source, its header, the shared library and a manifest.
+    ROBOT is a robot.yaml or a URDF, or the name of a packaged arm. The equations of motion are
+    derived symbolically; a kernel, by default tau(q, qd, qdd), is generated on an independent
+    route, compiled, compared with the equations at random and awkward states, and timed.
+    BUILD/NAME/ gets the C source, its header, the shared library and a manifest.
     """
     try:
-        arm, source = read(robot)
+        part = {"root": root, "tip": tip, "fix": dict(fix), "as_written": as_written}
+        arm, source = read(robot, part)
         # what follows needs SymPy and NumPy; a file that is refused does not
         from moro_codegen.cli.job import Order, run
         from moro_codegen.cli.json_document import document

@@ -54,7 +54,7 @@ class Outcome:
 
 
 @shown()
-def run(robot: Robot, order: Order, source: Mapping[str, str]) -> Outcome:
+def run(robot: Robot, order: Order, source: Mapping[str, Any]) -> Outcome:
     """Return the verified kernel of a robot; ``source`` is what the manifest says of its file."""
     times: dict[str, float] = {}
     tell("deriving the equations of motion")
@@ -75,7 +75,7 @@ def _timed(times: dict[str, float], step: str) -> Iterator[None]:
 
 
 def _built(
-    robot: Robot, order: Order, source: Mapping[str, str], times: dict[str, float]
+    robot: Robot, order: Order, source: Mapping[str, Any], times: dict[str, float]
 ) -> Kernel:
     """Return the kernel in its folder."""
     kernel = built(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import warnings
+from collections.abc import Mapping
+from typing import Any
 
 import click
 
@@ -11,11 +13,15 @@ import moro
 from moro.formats.loading import description, locate
 
 
-def read(source: str) -> tuple[moro.Robot, dict[str, str]]:
-    """Return the robot, and the name and hash of its file; warnings go to standard error."""
+def read(source: str, part: Mapping[str, Any] | None = None) -> tuple[moro.Robot, dict[str, Any]]:
+    """Return the robot, and what the manifest says of its file; warnings go to standard error.
+
+    ``part`` are the arguments of ``moro.load`` beside the file.
+    """
+    asked = {name: value for name, value in (part or {}).items() if value}
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        arm = description(source)  # refuses without SymPy, which Robot asks for
+        arm = description(source, **asked)  # refuses without SymPy, which Robot asks for
         robot = moro.Robot.of(arm)
     for warning in caught:
         click.echo(f"moro-codegen: warning: {warning.message}", err=True)
@@ -23,4 +29,13 @@ def read(source: str) -> tuple[moro.Robot, dict[str, str]]:
         raise ValueError(f"{source} gives no masses, so there is no tau: add mass, com and inertia")
     path = locate(source)
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    return robot, {"file": path.name, "sha256": digest}
+    said = {what: text for what, state, text in robot.model_summary() if state == "read"}
+    given = {name: _plain(value) for name, value in asked.items()}
+    return robot, {"file": path.name, "sha256": digest, **given, **({"read": said} if said else {})}
+
+
+def _plain(value: Any) -> Any:
+    """Return an argument as JSON has it: numbers as they are written."""
+    if isinstance(value, Mapping):
+        return {name: str(x) for name, x in value.items()}
+    return list(value) if isinstance(value, tuple) else value

@@ -68,7 +68,10 @@ def _facts(outcome: Outcome) -> Iterator[TableRow]:
     """Yield what the kernel is, how long it took, and whether it is right."""
     robot, kernel, times = outcome.robot, outcome.kernel, outcome.times
     route, verification = outcome.route, outcome.verification
-    yield TableRow("joints", str(robot.dof), f"{_kinds(robot)}, {robot.convention} convention")
+    convention = f", {robot.convention} convention" if robot.convention else ""
+    yield TableRow("joints", str(robot.dof), f"{_kinds(robot)}{convention}")
+    for what, text in kernel.manifest["input"].get("read", {}).items():
+        yield TableRow(what, "", text)
     if kernel.manifest["scalar"] == "float":
         yield TableRow("scalar type", "float", "single precision")
     if kernel.parameters:

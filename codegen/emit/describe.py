@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from moro.model import JOINT_TYPES, JointType
@@ -29,8 +30,8 @@ _COUNTED = {
 def conventions(program: Program) -> list[str]:
     """Return what holds for every function: joints, units, frames, gravity, parameters."""
     joints = [
-        f"  joint {i}: {name} ({_units(JOINT_TYPES[name])})"
-        for i, name in enumerate(program.joint_kinds, start=1)
+        printable(f"  joint {i}{f', {name}' if name else ''}: {kind} ({_units(JOINT_TYPES[kind])})")
+        for i, (kind, name) in enumerate(zip_longest(program.joint_kinds, program.joint_names), 1)
     ]
     lines = [
         "SI units, radians. Component k of a joint vector belongs to joint k + 1; matrices are",

@@ -12,6 +12,8 @@ RANGE = f"1e-{MAX_MAGNITUDE}..1e{MAX_MAGNITUDE}"
 
 _LARGEST = sp.Integer(10) ** MAX_MAGNITUDE
 _SMALLEST = 1 / _LARGEST
+#: bits of a fraction's numerator more, or less, than of its denominator, if it is within the range
+_SURELY = 990
 #: what is smaller has no digit among the 100 that are computed where terms cancel
 _ZERO = sp.Float("1e-90")
 
@@ -35,6 +37,8 @@ def is_negative(value: Any) -> bool:
 
 def is_sane(value: Any) -> bool:
     """Whether the numbers of a value are zero or within ``RANGE``."""
+    if value.is_Rational and abs(value.p.bit_length() - value.q.bit_length()) < _SURELY:
+        return True
     numbers = [numeric(value)] if value.is_number else value.atoms(sp.Rational)
     return all(x == 0 or _SMALLEST <= abs(x) <= _LARGEST for x in numbers)
 

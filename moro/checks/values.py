@@ -50,6 +50,8 @@ def name(text: Any, what: str) -> str:
 
 def scalar(value: Any, what: str) -> Any:
     """Return a real number or an expression as an exact SymPy value."""
+    if isinstance(value, sp.Rational) and constants.is_sane(value):
+        return value  # as most of a robot's thousands are
     expr = _expression(value, what)
     if _is_infinite(expr):
         raise ValueError(f"{what} must be finite, not {_cut(str(value))}")
@@ -107,7 +109,7 @@ def number(value: Any, what: str) -> Any:
 def constant(value: Any, what: str, variables: Iterable[Any] = ()) -> Any:
     """Return a scalar that depends neither on time nor on the joint variables."""
     expr = scalar(value, what)
-    if moving(expr, variables):
+    if not expr.is_Rational and moving(expr, variables):
         raise ValueError(f"{what} must be constant, not {expr}")
     return expr
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from typing import Any
 
@@ -41,8 +42,12 @@ class HandMade(Source):
     def __init__(self, model: Model):
         if not isinstance(model, Model):
             raise TypeError(f"a robot is made of a Model, not {checks.brief(model)}")
+        self._hold(*_exact(model))
+
+    def _hold(self, model: Model, decimal: bool) -> None:
+        """Hold a model in exact values that are checked."""
         super().__init__(model.name)
-        self._model, self._decimal = _exact(model)
+        self._model, self._decimal = model, decimal
         self._declared = frozenset(model.defaults)
         self._defaults = {s: x for s, x in model.defaults.items() if x is not None}
 
@@ -132,8 +137,7 @@ class HandMade(Source):
                 yield from step.p if isinstance(step, Shift) else _entries(step.R)
 
     def _substituted(self, values: Mapping[Any, Any]) -> HandMade:
-        new = HandMade(self._model)
-        new.name = self.name
+        new = copy(self)
         new._model, with_floats = _exact(self._model, values)
         new._decimal = self._decimal or with_floats
         return new

@@ -1,16 +1,19 @@
-"""robot.yaml in, the description of an arm out. Nothing heavy is imported before it is called."""
+"""A robot file in, what it describes out. Nothing heavy is imported before it is called."""
 
 from __future__ import annotations
 
 import os
 import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from moro.formats.errors import Problem, RobotFileError, RobotFileWarning, nearest
+from moro.formats.recognition import is_urdf
 
 if TYPE_CHECKING:
-    from moro.formats.dh.description import Description
+    from moro.formats.source import Source
     from moro.formats.yaml.schema import RobotFile
 
 __all__ = [
@@ -26,12 +29,44 @@ __all__ = [
 _ROBOTS = Path(__file__).parent.parent / "robots"
 
 
-def description(source: str | os.PathLike[str]) -> Description:
-    """Return the arm that a file describes: what ``moro.load`` makes a Robot of."""
+def description(
+    source: str | os.PathLike[str],
+    *,
+    root: str | None = None,
+    tip: str | Sequence[str] | None = None,
+    fix: Mapping[str, Any] | None = None,
+    as_written: bool = False,
+) -> Source:
+    """Return what a file describes: what ``moro.load`` makes a Robot of, with its arguments."""
+    path = locate(source)
+    if is_urdf(path):
+        return _urdf(path, root, tip, fix or {}, as_written)
+    for name, value in {"root": root, "tip": tip, "fix": fix, "as_written": as_written}.items():
+        if value:
+            raise ValueError(f"{name} is for a URDF: {source} is none")
     file = read(source)
     from moro.formats.yaml.build import build  # after what may refuse the file without SymPy
 
     return build(file)
+
+
+def _urdf(
+    path: Path,
+    root: str | None,
+    tip: str | Sequence[str] | None,
+    fix: Mapping[str, Any],
+    as_written: bool,
+) -> Source:
+    from moro.formats.urdf import reader
+
+    assembly = reader.read(path, as_written=as_written)
+    from moro.checks.values import angle
+    from moro.formats.assembled import Assembled
+    from moro.formats.urdf.build import notes
+
+    values = {name: angle(x, f"fix of {name}") for name, x in fix.items()}
+    part = assembly.fixed(values).part(root, tip)
+    return Assembled(replace(part, notes=(*notes(part), *part.notes)), decimal=True)
 
 
 def read(source: str | os.PathLike[str]) -> RobotFile:

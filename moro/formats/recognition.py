@@ -1,32 +1,52 @@
-"""Robot files of other programs, told apart by how they begin."""
+"""Formats of robot files, told apart by how they begin."""
 
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 #: by the name of the root element
 _ROOTS = {
-    "robot": "URDF, the format of ROS",
     "mujoco": "MJCF, the format of MuJoCo",
     "mujocoinclude": "MJCF, the format of MuJoCo",
     "sdf": "SDF, the format of Gazebo",
     "gazebo": "SDF, the format of Gazebo",
 }
-_ROOT = re.compile(r"<([A-Za-z][\w.-]*)([^>]*)")
+_START = re.compile(r"<[?!A-Za-z]")
+_COMMENT = re.compile(r"<!--.*?(-->|\Z)", re.DOTALL)
+_ROOT = re.compile(r"<([A-Za-z][\w.-]*)")
 
-EXPECTED = "expected a robot.yaml, which gives an arm as rows of DH parameters"
+EXPECTED = "expected a robot.yaml or a URDF"
+#: bytes in which a file says what it is
+_HEAD = 65536
+
+
+def is_urdf(path: Path) -> bool:
+    """Whether a file is URDF, or xacro, of which that is made: by its name, or by its root."""
+    if path.suffix.lower() in (".urdf", ".xacro"):
+        return True
+    try:
+        with path.open("rb") as file:
+            head = file.read(_HEAD)
+    except (OSError, ValueError):
+        return False  # which its reader will say
+    return _root(head.decode("utf-8-sig", "replace")) == "robot"
 
 
 def foreign(text: str, suffix: str) -> str | None:
     """Say what a text is that is no YAML of ours: XML of some kind, or JSON; else None."""
     start = text.lstrip()
-    if re.match(r"<[?!A-Za-z]", start):
-        root = _ROOT.search(start)
-        if root is None:
-            return "XML"
-        if suffix == ".xacro" or "xmlns:xacro" in root[2]:
-            return "xacro, from which ROS makes URDF"
-        return _ROOTS.get(root[1].lower(), f"XML (`<{root[1][:40]}>`)")
+    if _START.match(start):
+        root = _root(start)
+        return _ROOTS.get(root, f"XML (`<{root[:40]}>`)") if root else "XML"
     if suffix == ".json" and start[:1] in ("{", "[") and '"links"' not in start:
         return "JSON"
     return None
+
+
+def _root(text: str) -> str:
+    """Return the name of an XML text's root element, in small letters; "" if it has none."""
+    if not _START.match(text.lstrip()):
+        return ""
+    root = _ROOT.search(_COMMENT.sub("", text))
+    return root[1].lower() if root else ""

@@ -12,7 +12,7 @@ from moro.abc import t
 from moro.checks import values as checks
 from moro.model import JointType, Model
 from moro.printing.notation import Notation
-from moro.printing.plain import natural, prefers_decimals
+from moro.printing.plain import in_decimals, natural, prefers_decimals
 from moro.printing.tables import Table
 
 _Self = TypeVar("_Self", bound="Source")
@@ -169,8 +169,19 @@ class Source(ABC):
             if value is None:
                 rows.append((name, "not set", self.how_to_set(name)))
             else:
-                rows.append((name, state, _brief(value)))
+                rows.append((name, state, self._brief(value)))
         return Table(("quantity", "state", "value"), rows)
+
+    def _brief(self, value: Any) -> str:
+        text = str([self._shown(x) for x in value])
+        return text if len(text) <= 60 else text[:57] + "..."
+
+    def _shown(self, x: Any) -> Any:
+        if isinstance(x, sp.MatrixBase):
+            x = list(x) if x.cols == 1 else x.tolist()
+        if isinstance(x, (list, tuple)):
+            return type(x)(map(self._shown, x))
+        return in_decimals(x) if self.decimal else x
 
     def _by_symbol(self, values: Any, what: str) -> dict[Any, Any]:
         """Return {symbol: value} for symbols of the model, or their names.
@@ -209,14 +220,3 @@ def _symbol(key: Any) -> Any:
 
 def _default(symbol: Any, value: Any) -> Any:
     return None if value is None else checks.number(value, f"default of {symbol}")
-
-
-def _brief(value: Any) -> str:
-    text = str([_listed(x) for x in value])
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
-def _listed(x: Any) -> Any:
-    if not isinstance(x, sp.MatrixBase):
-        return x
-    return list(x) if x.cols == 1 else x.tolist()

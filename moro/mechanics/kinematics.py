@@ -23,6 +23,11 @@ class Kinematics(Derivation):
     # -- joints -----------------------------------------------------------------------------------
 
     @property
+    def joint_names(self) -> list[str]:
+        """Name of each joint, in the order of q; "joint1", .. for those without."""
+        return [x.name or f"joint{i}" for i, x in enumerate(self._model.coordinates, 1)]
+
+    @property
     def joint_types(self) -> list[str]:
         """Type of each joint, "r" (revolute) or "p" (prismatic)."""
         return [kind.letter for kind in self._source.types]
@@ -41,6 +46,11 @@ class Kinematics(Derivation):
         return self.q(i).diff(t)
 
     # -- frames -----------------------------------------------------------------------------------
+
+    @property
+    def frames(self) -> list[str]:
+        """Names of the frames beside 0, the base: of links, where they have names; last the tip."""
+        return [frame.name for frame in self._model.frames]
 
     @property
     def Ts(self) -> list[sp.Matrix]:

@@ -138,13 +138,17 @@ def placed(steps: Iterable[Step]) -> Placement:
     if any(map(_is_plain, steps)) and all(map(_is_numeric, steps)):
         steps = [step if isinstance(step, Shift) else _rotation(step) for step in steps]
         whole = Placement.by(*steps)
-        return Placement.by(*joined(Placement(whole.R, whole.p).steps))
-    shortest: list[Step] = []
+        found = Placement.by(*joined(Placement(whole.R, whole.p).steps))
+    else:
+        found = Placement.by(*joined(_shifted(_few(steps))))
+    return Placement(settled_matrix(found.R), settled_vector(found.p), found.given)
+
+
+def _few(steps: Iterable[Step]) -> Iterator[Step]:
+    """Yield steps with quarter turns as few as can be."""
     for quarters, run in groupby(steps, _is_quarter):
         turns = [*run]
-        shortest += _quarters(turns) if quarters else turns
-    found = Placement.by(*joined(_shifted(shortest)))
-    return Placement(settled_matrix(found.R), settled_vector(found.p), found.given)
+        yield from _quarters(turns) if quarters else turns
 
 
 def _quarters(run: list[Step]) -> Sequence[Step]:
@@ -179,8 +183,9 @@ def _rotation(step: Turn | Rotation) -> Turn | Rotation:
 
 
 def settled(x: Any) -> Any:
-    """Return a number made of roots and fractions with what cancels in it cancelled."""
-    return x if getattr(x, "is_Rational", True) or not x.is_number else sp.expand(x)
+    """Return a SymPy value; a number made of roots and fractions with what cancels cancelled."""
+    x = sp.sympify(x)
+    return x if x.is_Rational or not x.is_number else sp.expand(x)
 
 
 def settled_vector(v: Iterable[Any]) -> Vector:

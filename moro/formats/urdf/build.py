@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import sympy as sp
 
@@ -35,7 +35,6 @@ def build(name: str, links: Sequence[Link], joints: Sequence[Joint]) -> Assembly
         ),
         {q: Coordinate(limits=joint.limits, name=q) for joint in order for q in coordinates(joint)},
         GRAVITY,
-        notes=tuple(_notes(top, order)),
     )
 
 
@@ -78,10 +77,13 @@ def _bodies(link: Link) -> tuple[Body, ...]:
     return (central_body(given.mass, given.origin.xyz, tensor),)
 
 
-def _notes(top: Link, joints: Iterable[Joint]) -> Iterator[tuple[str, str]]:
-    """Yield what is to be said of the reading: (of what, what)."""
-    if top.inertial is not None:
-        yield "base", f"{top.name} stands still, with its {short(top.inertial.mass)} kg"
-    rubbing = [joint.name for joint in joints if joint.drive.viscous or any(joint.drive.coulomb)]
+def notes(part: Assembly) -> Iterator[tuple[str, str]]:
+    """Yield what is to be said of a robot, or of the part of it that is meant: (of what, what)."""
+    for link in part.links:
+        mass = sum(body.mass for body in link.bodies)
+        if link.parent is None and mass:
+            yield "base", f"{link.name} stands still, with its {short(mass)} kg"
+    motions = [motion for link in part.links for motion in link.motions]
+    rubbing = [x.name for x in motions if x.drive.viscous or any(x.drive.coulomb)]
     if rubbing:
         yield "friction", f"damping and friction of {', '.join(rubbing)}"

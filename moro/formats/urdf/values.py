@@ -18,7 +18,9 @@ import sympy as sp
 
 from moro.checks.constants import MAX_MAGNITUDE, RANGE, is_sane
 
-_DECIMAL = re.compile(r"[+-]?(\d+\.?(?P<digits>\d*)|\.(?P<alone>\d+))([eE](?P<power>[+-]?\d+))?", re.ASCII)
+_DECIMAL = re.compile(
+    r"[+-]?(\d+\.?(?P<digits>\d*)|\.(?P<alone>\d+))([eE](?P<power>[+-]?\d+))?", re.ASCII
+)
 #: characters of a number
 _LONGEST = 100
 #: of doubles, and what computing with them leaves of a zero; beside 1
