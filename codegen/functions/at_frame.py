@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from moro.checks.frames import frame_called
+from moro.checks.frame_called import frame_called
 from moro.model import Model
 from moro_codegen.functions.arguments import Argument
 from moro_codegen.functions.catalogue import FUNCTIONS, LAST, Function, System

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from moro.algorithms.regressor import PARAMETERS, body_regressor
+from moro.algorithms.body_regressor import PARAMETERS, body_regressor
 from moro.identification.base_parameters import base_parameters_of, terms_of_drive
 from moro.model import Model
 from moro.spatial.vectors import Scalar

@@ -18,7 +18,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 
-from moro.algorithms.posture import Link, Posture
+from moro.algorithms.posture import PosedLink, Posture
 from moro.spatial.moments import Moments
 from moro.spatial.transform import about_z
 from moro.spatial.vectors import Scalar, add, scaled, transpose
@@ -55,7 +55,7 @@ def on_common_normals(arm: Posture, parameters: bool = False) -> Posture:
     return replace(arm, links=tuple(links))
 
 
-def _to_common_normal(link: Link, parameters: bool) -> Scalar:
+def _to_common_normal(link: PosedLink, parameters: bool) -> Scalar:
     """Return how far along its axis a frame is from the common normal with its parent's axis.
 
     Where the axes are parallel, from the point nearest to the origin of the parent's frame; 0 where
@@ -122,7 +122,7 @@ def turnable_parallels(arm: Posture) -> frozenset[int]:
     return frozenset(found)
 
 
-def _parallel_sense(link: Link) -> int:
+def _parallel_sense(link: PosedLink) -> int:
     """Return 1 if the link's axis is parallel to its parent's, -1 if antiparallel, else 0."""
     x, y, z = map(constant_value, transpose(link.R)[2])
     return int(z) if x == y == 0 and z is not None else 0

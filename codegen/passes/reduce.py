@@ -20,7 +20,7 @@ from dataclasses import replace
 from itertools import combinations
 from typing import NamedTuple
 
-from moro.algorithms.posture import Link, Posture
+from moro.algorithms.posture import PosedLink, Posture
 from moro.spatial.moments import Moments
 from moro.spatial.vectors import Scalar, Vector, add, times
 from moro_codegen.graph.nodes import Constant, constant_value
@@ -66,7 +66,7 @@ def reduced(arm: Posture, *, balanced: bool = True, constants_only: bool = False
     return replace(arm, links=tuple(links))
 
 
-def _fixed_to_parent(link: Link, constants_only: bool) -> Moments:
+def _fixed_to_parent(link: PosedLink, constants_only: bool) -> Moments:
     """Return what of a body acts as if it were fixed to the parent."""
 
     def part(x: Scalar) -> Scalar:
@@ -100,7 +100,7 @@ def _has_force(body: Moments) -> bool:
 
 
 def _fixed_points(
-    links: Sequence[Link], children: Sequence[Sequence[int]], i: int
+    links: Sequence[PosedLink], children: Sequence[Sequence[int]], i: int
 ) -> Iterator[FixedPoint]:
     """Yield the origins of frames further out that lie on the axes of the children of link i."""
     for k in children[i]:

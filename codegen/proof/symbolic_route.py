@@ -70,7 +70,7 @@ class SymbolicRoute:
 
     def tau(self, q: Array, qd: Array, qdd: Array, parameters: Mapping[Any, float]) -> Array:
         """Return M qdd + C qd + G + friction for states of shape (states, n)."""
-        return Dynamics(self, q, qd, qdd, parameters).tau
+        return ExpectedDynamics(self, q, qd, qdd, parameters).tau
 
     def matrices(
         self, q: NDArray[Any], qd: Array, parameters: Mapping[Any, float]
@@ -133,7 +133,7 @@ class _Closed:
 
 
 @dataclass
-class Dynamics:
+class ExpectedDynamics:
     """Every quantity of the dynamics at given states, computed when it is asked for.
 
     ``q``, ``qd`` and ``qdd`` are (states, n); so is everything else, states first.

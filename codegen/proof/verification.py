@@ -11,7 +11,7 @@ import numpy as np
 import sympy as sp
 
 from moro import Robot
-from moro.checks.frames import frame_called
+from moro.checks.frame_called import frame_called
 from moro.model import Frame, Model, as_model
 from moro_codegen.functions.catalogue import KNOWN
 from moro_codegen.functions.own import Formula, Scope, UserFunction
@@ -20,7 +20,7 @@ from moro_codegen.progress import shown, tell
 from moro_codegen.proof.symbolic_route import (
     STATES_LIMIT,
     Array,
-    Dynamics,
+    ExpectedDynamics,
     SymbolicRoute,
     evaluated,
     spread,
@@ -63,20 +63,22 @@ class Pair:
 Pairs = Iterable[Pair]
 
 
-def _derivatives(x: Dynamics, by_q: Array, by_qd: Array, M: Array) -> Pairs:
+def _derivatives(x: ExpectedDynamics, by_q: Array, by_qd: Array, M: Array) -> Pairs:
     for slope, expected in zip((by_q, by_qd), x.tau_slopes, strict=True):
         yield Pair(slope[x.few], expected)
     yield Pair(M, x.M)
 
 
-def _accelerations(x: Dynamics, qdd: Array) -> Pairs:
+def _accelerations(x: ExpectedDynamics, qdd: Array) -> Pairs:
     """Put the accelerations found into the equations: their torques are those given."""
     ok = x.regular
     caused = _product(x.M[ok], qdd[ok], x.tau[ok] - x.bias[ok])
     yield Pair(caused.found + x.bias[ok], x.tau[ok], caused.size)
 
 
-def _acceleration_derivatives(x: Dynamics, by_q: Array, by_qd: Array, by_tau: Array) -> Pairs:
+def _acceleration_derivatives(
+    x: ExpectedDynamics, by_q: Array, by_qd: Array, by_tau: Array
+) -> Pairs:
     """M times the derivatives of qdd are minus those of tau: no matrix has to be inverted."""
     few = x.few[x.regular[x.few]]
     for slope, of_tau in zip((by_q, by_qd), x.tau_slopes, strict=True):
@@ -227,7 +229,7 @@ def verify(
     total = len(state[0])
     chosen = spread(total, route.affordable(state[0], parameters, STATES_LIMIT))
     q, qd, qdd = (x[chosen] for x in state)
-    expected = Dynamics(route, q, qd, qdd, parameters, float(np.finfo(dtype).eps))
+    expected = ExpectedDynamics(route, q, qd, qdd, parameters, float(np.finfo(dtype).eps))
     own = {function.name: function for function in functions}
     errors, unchecked = dict[str, Array](), dict[str, None]()
     inverting = False
@@ -277,7 +279,7 @@ def _check_alike(kernel: Kernel, model: Model) -> None:
         )
 
 
-def _results(kernel: Kernel, name: str, x: Dynamics) -> Iterator[tuple[Part, list[Array]]]:
+def _results(kernel: Kernel, name: str, x: ExpectedDynamics) -> Iterator[tuple[Part, list[Array]]]:
     """Yield the results of a function at the states, for each function that it is made of."""
     signature = kernel.signatures[name]
     inputs = {"q": x.q, "qd": x.qd, "qdd": x.qdd}
@@ -300,7 +302,7 @@ def _frame(part: Part, model: Model) -> list[Frame]:
 
 
 def _by_expression(
-    function: UserFunction, kernel: Kernel, x: Dynamics, found: Sequence[Array]
+    function: UserFunction, kernel: Kernel, x: ExpectedDynamics, found: Sequence[Array]
 ) -> Pairs:
     """Yield the results of a function of the user's own with the values of its expressions."""
     scope = Scope.of(x.model, function.parameters, function.name)

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from moro.algorithms.coordinates import generalized, joint_rates
 from moro.algorithms.newton_euler import body_wrench, forward_motion
-from moro.algorithms.posture import Link, Posture
+from moro.algorithms.posture import PosedLink, Posture
 from moro.spatial.moments import Moments
 from moro.spatial.motion import REST, Velocity, Wrench
 from moro.spatial.transform import matrix_in_parent, velocity_in_link, wrench_in_parent
@@ -60,7 +60,7 @@ class ArticulatedInertia(NamedTuple):
         f = add(times(transpose(self.H), alpha), times(self.M, a))
         return Wrench(f, add(times(self.I, alpha), times(self.H, a)))
 
-    def in_parent(self, link: Link) -> ArticulatedInertia:
+    def in_parent(self, link: PosedLink) -> ArticulatedInertia:
         """Return the inertia of a link as one of its parent, the joint being fixed."""
         I, H, M = (matrix_in_parent(link, A) for A in self)
         M, shift = symmetric(M), skew(link.p)
@@ -116,7 +116,9 @@ def yielding_joints(
     return joints[::-1]
 
 
-def yielding(link: Link, inertia: ArticulatedInertia, rotor: Scalar, torque: Scalar) -> Yielding:
+def yielding(
+    link: PosedLink, inertia: ArticulatedInertia, rotor: Scalar, torque: Scalar
+) -> Yielding:
     """Return how a joint yields. Of its own component it bears all that the rotor does not."""
     wrench = inertia.wrench(link.type.moved(REST, 1))
     reciprocal = 1 / (link.type.along(wrench) + rotor)
@@ -124,7 +126,7 @@ def yielding(link: Link, inertia: ArticulatedInertia, rotor: Scalar, torque: Sca
     return Yielding(reciprocal, link.type.bearing(share, 1 - rotor * reciprocal), torque)
 
 
-def articulated(link: Link, inertia: ArticulatedInertia, share: Wrench) -> ArticulatedInertia:
+def articulated(link: PosedLink, inertia: ArticulatedInertia, share: Wrench) -> ArticulatedInertia:
     """Return what of an inertia is felt through the joint: less (wrench along it) (share)^T."""
     I, H, M = inertia
     wrench = inertia.wrench(link.type.moved(REST, 1))

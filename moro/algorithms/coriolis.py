@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from moro.algorithms.coordinates import in_coordinates
-from moro.algorithms.posture import Link, Posture, ancestors, composites, velocities
+from moro.algorithms.posture import PosedLink, Posture, ancestors, composites, velocities
 from moro.spatial.moments import Moments
 from moro.spatial.motion import Velocity, Wrench
 from moro.spatial.transform import matrix_in_parent, wrench_in_parent
@@ -99,7 +99,7 @@ def body_flow(body: Moments, velocity: Velocity) -> Flow:
     return Flow(p, sum_of(dyad(v, h), product(skew(omega), body.S)))
 
 
-def own_column(link: Link, velocity: Velocity, body: Moments, flow: Flow) -> Column:
+def own_column(link: PosedLink, velocity: Velocity, body: Moments, flow: Flow) -> Column:
     """Return the column of a link's own joint, in its frame."""
     change, swirl = link.type.turning(velocity, body, flow.p, flow.W)
     return Column(change, link.type.momentum(body), swirl)

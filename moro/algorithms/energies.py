@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from moro.algorithms.posture import Link, Posture, velocities
+from moro.algorithms.posture import PosedLink, Posture, velocities
 from moro.spatial.motion import Velocity
 from moro.spatial.vectors import Scalar, add, cross, dot, scaled, times
 
@@ -16,7 +16,7 @@ def energy_of_motion(arm: Posture, rotors: Sequence[Scalar], qd: Sequence[Scalar
     return (twice + sum(I * (rate * rate) for I, rate in zip(rotors, qd, strict=True))) / 2
 
 
-def twice_body_energy(link: Link, velocity: Velocity) -> Scalar:
+def twice_body_energy(link: PosedLink, velocity: Velocity) -> Scalar:
     """Return integral (v + omega x r)^2 dm = m v . v + omega . J omega + 2 h . (v x omega)."""
     (omega, v), body = velocity, link.body
     turning = dot(omega, times(body.inertia, omega))

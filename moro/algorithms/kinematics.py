@@ -7,7 +7,7 @@ The frame counts as a further link, the last, that neither moves nor weighs anyt
 from __future__ import annotations
 
 from moro.algorithms.coordinates import generalized
-from moro.algorithms.posture import Link, Posture, ancestors
+from moro.algorithms.posture import PosedLink, Posture, ancestors
 from moro.model import Placement
 from moro.spatial.vectors import Scalar, Vector, add, product, times, transpose
 
@@ -26,7 +26,7 @@ def poses(arm: Posture) -> list[Placement]:
     return found
 
 
-def turned(x: Vector, y: Vector, link: Link) -> tuple[Vector, Vector]:
+def turned(x: Vector, y: Vector, link: PosedLink) -> tuple[Vector, Vector]:
     """Return the axes x and y after the joint has turned them: cos x + sin y, cos y - sin x."""
     pairs = list(zip(x, y, strict=True))
     a, b, c = (link.cos * u + link.sin * v for u, v in pairs)

@@ -19,7 +19,7 @@ from moro.spatial.vectors import Scalar, Vector
 
 
 @dataclass(frozen=True)
-class Link(Transform):
+class PosedLink(Transform):
     """A joint and its body: where its frame is in its parent's, and how the joint moves it."""
 
     type: JointType
@@ -36,7 +36,7 @@ class Link(Transform):
 class Posture:
     """A tree of links, parents first, moved by nv coordinates."""
 
-    links: tuple[Link, ...]
+    links: tuple[PosedLink, ...]
     #: in the axes of the base [m/s^2]
     gravity: Vector
     nv: int
@@ -65,7 +65,7 @@ def posture(
     for joint, body, x, pair in zip(model.joints, model.bodies, ways, sincos, strict=True):
         frame = joint.type.transform(joint.placement.R, joint.placement.p, x, pair or (0, 1))
         links.append(
-            Link(
+            PosedLink(
                 frame.R, frame.p, frame.sin, frame.cos,
                 joint.type, joint.parent, x, body.moments, joint.terms,
             )
@@ -75,7 +75,7 @@ def posture(
 
 def with_frame(arm: Posture, link: int, placement: Placement) -> Posture:
     """Return the arm with a frame fixed in a link as a further link that weighs nothing."""
-    still = Link(placement.R, placement.p, 0, 1, PRISMATIC, link, 0, Moments(0), ())
+    still = PosedLink(placement.R, placement.p, 0, 1, PRISMATIC, link, 0, Moments(0), ())
     return replace(arm, links=(*arm.links, still))
 
 
@@ -88,7 +88,7 @@ def velocities(arm: Posture, qd: Sequence[Scalar]) -> list[Velocity]:
     return found
 
 
-def ancestors(links: Sequence[Link], i: int) -> Iterator[int]:
+def ancestors(links: Sequence[PosedLink], i: int) -> Iterator[int]:
     """Yield the links that carry link i, from its parent to the base."""
     while (i := links[i].parent) >= 0:
         yield i

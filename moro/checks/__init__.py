@@ -5,7 +5,7 @@ constants     constants that can be computed, and those that are zero
 tensors       the ways in which tensors of inertia are written
 given         values as they were given
 plausibility  units and orders that are probably not meant
-frames        the frame that is meant
+frame_called  the frame that is meant
 meant         what was probably meant by a word
 callers       the line of the user's that a warning is about
 """

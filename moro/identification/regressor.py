@@ -22,7 +22,7 @@ class _Pair(NamedTuple):
     p: sp.Matrix
 
 
-class Regressor(_Pair, Shown):
+class SymbolicRegressor(_Pair, Shown):
     """tau = Y p: unpacks as ``Y, p = robot.regressor()``, and shows as formulas.
 
     ``Y``, n x b, is in q, qd, qdd, lengths and gravity; ``p``, b x 1, holds the values of the base
@@ -31,7 +31,9 @@ class Regressor(_Pair, Shown):
 
     _notation: Notation
 
-    def __new__(cls, Y: sp.Matrix, p: sp.Matrix, notation: Notation | None = None) -> Regressor:
+    def __new__(
+        cls, Y: sp.Matrix, p: sp.Matrix, notation: Notation | None = None
+    ) -> SymbolicRegressor:
         """Join Y and p."""
         self = super().__new__(cls, Y, p)
         self._notation = notation or Notation()

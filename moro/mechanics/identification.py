@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from moro.identification.base_parameters import BaseParameters, base_parameters
-from moro.identification.regressor import Regressor, regressor_columns
+from moro.identification.regressor import SymbolicRegressor, regressor_columns
 from moro.identification.standard_parameters import Standard
 from moro.mechanics.derivation import Derivation
 from moro.scalars.trig import Trig
@@ -33,7 +33,7 @@ class Identification(Derivation):
         self._needed("gravity")
         return self._all_base_parameters().counted(self._model, zeros)
 
-    def regressor(self, zeros: bool | None = None) -> Regressor:
+    def regressor(self, zeros: bool | None = None) -> SymbolicRegressor:
         """Return (Y, p) with M qdd + C qd + G + friction = Y(q, qd, qdd) p identically.
 
         Y is n x b, p the b values of ``base_parameters(zeros)``, in that order. The columns of Y
@@ -44,7 +44,7 @@ class Identification(Derivation):
         leaders = tuple(x.leader for x in parameters)
         columns = self._matrix(("Y", leaders), lambda: self._regressor_columns(leaders)).T
         Y = columns.reshape(self.dof, len(leaders))
-        return Regressor(Y, parameters.values, self._notation)
+        return SymbolicRegressor(Y, parameters.values, self._notation)
 
     def _all_base_parameters(self) -> BaseParameters:
         def made() -> BaseParameters:

@@ -9,7 +9,7 @@ import sympy as sp
 
 from moro.abc import t
 from moro.checks import values as checks
-from moro.checks.frames import frame_called
+from moro.checks.frame_called import frame_called
 from moro.formats.hand_made import central
 from moro.mechanics.derivation import Derivation
 from moro.model import Central, Frame

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from moro.algorithms.articulated_body import joint_accelerations
+from moro.algorithms.body_regressor import body_regressor
 from moro.algorithms.composite_rigid_body import joint_inertia
 from moro.algorithms.coriolis import joint_coriolis
 from moro.algorithms.energies import energy_of_motion, energy_of_position
@@ -10,7 +11,6 @@ from moro.algorithms.external_wrench import joint_torques_in_contact
 from moro.algorithms.kinematics import frame_jacobian, poses
 from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import posture, with_frame
-from moro.algorithms.regressor import body_regressor
 from moro.model import Coordinate
 
 

@@ -9,7 +9,7 @@ from arms import NAMES, numeric, reference_model, sincos
 from dynamics import assert_close, exact_case, reference_case
 from recursion import inverse_dynamics, parameters, regressor
 
-from moro.algorithms.regressor import PARAMETERS
+from moro.algorithms.body_regressor import PARAMETERS
 from moro.model import Body
 
 
