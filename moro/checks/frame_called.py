@@ -22,5 +22,8 @@ def frame_called(model: Model, i: int | str) -> Frame:
         return named[str(i)] if i else joints["0"]
     if i in named:
         return named[i]
-    there = ", ".join([*named][:_LISTED]) + ", ..." * (len(named) > _LISTED)
-    raise ValueError(f"no frame is called {i!r}; there are {there}{suggestion(i, named)}")
+    names = [name for name in named if name not in joints]
+    there = [*names[:_LISTED], *["..."] * (len(names) > _LISTED), f"0 to {len(model.joints)}"]
+    raise ValueError(
+        f"no frame is called {i!r}; there are {', '.join(there)}{suggestion(i, named)}"
+    )

@@ -102,7 +102,7 @@ def test_a_frame_elsewhere_fails_and_the_others_do_not(tmp_path):
     errors = mc.verify(kernel, replace(model, frames=(moved, *rest))).max_errors
     assert errors["jacobian_camera"] > 1e-4
     assert errors["jacobian_tool"] < 1e-12
-    with pytest.raises(ValueError, match="no frame is called 'camera'; there are 0, 1, "):
+    with pytest.raises(ValueError, match="no frame is called 'camera'; there are 0 to "):
         mc.verify(kernel, replace(model, frames=()))
 
 
@@ -142,7 +142,7 @@ def test_two_wrenches_in_one_call_are_two_arguments():
 @pytest.mark.parametrize(
     ("functions", "message"),
     [
-        (("jacobian@camra",), "no frame is called 'camra'; there are 0, 1, 2, .*\"camera\""),
+        (("jacobian@camra",), r"called 'camra'; there are camera, wall, .*, 0 to .*\"camera\""),
         (("jacobian@",), "no frame is called ''"),
         (("jacobian@77",), "no frame is called '77'"),
         (("tau@camera",), "tau is of no frame; tau_with_wrench, forward_kinematics, jacobian are"),
