@@ -172,6 +172,7 @@ class Peer:
         with contextlib.redirect_stdout(None):
             self.model = pin.buildModelFromUrdf(str(path))
         self.data = self.model.createData()
+        self.planar = [x.idx_v for x in self.model.joints if x.nv == 3]
         self.A, self.b, self.damping, self.friction = self._coordinates(path, names)
 
     def _coordinates(self, path: Path, names: Sequence[str]) -> tuple[Any, ...]:
@@ -214,27 +215,38 @@ class Peer:
                 found[k + nq - 2 : k + nq] = np.cos(angle), np.sin(angle)
         return found
 
+    def velocities(self, q: Any, qd: Any, qdd: Any) -> tuple[Any, Any, Any]:
+        """Return S, v = S qd, a = S qdd + dS/dt qd: Pinocchio's planar joints are in body axes."""
+        S, rate = self.A.copy(), np.zeros_like(self.A)
+        for i, theta in ((i, (self.A @ q + self.b)[i + 2]) for i in self.planar):
+            c, s, turning = np.cos(theta), np.sin(theta), (self.A @ qd)[i + 2]
+            S[i : i + 2] = np.array([[c, s], [-s, c]]) @ self.A[i : i + 2]
+            rate[i : i + 2] = turning * np.array([[-s, c], [-c, -s]]) @ self.A[i : i + 2]
+        return S, S @ qd, S @ qdd + rate @ qd
+
     def tau(self, q: Any, qd: Any, qdd: Any) -> Any:
         """Return the torques of the coordinates, with friction."""
-        v, a = self.A @ qd, self.A @ qdd
+        S, v, a = self.velocities(q, qd, qdd)
         rigid = pin.rnea(self.model, self.data, self.configuration(q), v, a)
-        return self.A.T @ (rigid + self.damping * v + self.friction * np.sign(v))
+        rate = self.A @ qd
+        return S.T @ rigid + self.A.T @ (self.damping * rate + self.friction * np.sign(rate))
 
     def M(self, q: Any) -> Any:
         """Return the inertia matrix of the coordinates."""
+        S = self.velocities(q, 0 * q, 0 * q)[0]
         M = pin.crba(self.model, self.data, self.configuration(q))
-        return self.A.T @ (np.triu(M) + np.triu(M, 1).T) @ self.A
+        return S.T @ (np.triu(M) + np.triu(M, 1).T) @ S
 
     def frames(self, q: Any) -> dict[str, tuple[Any, Any]]:
         """Return pose and Jacobian of every link's frame."""
-        at = self.configuration(q)
+        at, S = self.configuration(q), self.velocities(q, 0 * q, 0 * q)[0]
         pin.computeJointJacobians(self.model, self.data, at)
         pin.updateFramePlacements(self.model, self.data)
         found = {}
         for k, frame in enumerate(self.model.frames):
             if frame.type == pin.FrameType.BODY:
                 J = pin.getFrameJacobian(self.model, self.data, k, pin.LOCAL_WORLD_ALIGNED)
-                found[frame.name] = self.data.oMf[k].homogeneous.copy(), J @ self.A
+                found[frame.name] = self.data.oMf[k].homogeneous.copy(), J @ S
         return found
 
 

@@ -1,0 +1,63 @@
+"""A URDF with everything in it against Pinocchio's numbers (benchmarks/urdf_reference.py)."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import moro as mr
+import moro_codegen as mc
+from moro.algorithms.coordinates import displacements
+from moro.algorithms.kinematics import frame_jacobian, poses
+from moro.algorithms.posture import posture, with_frame
+
+FOLDER = Path(__file__).parents[3] / "reference" / "urdf"
+STACKER = FOLDER / "stacker.urdf"
+
+
+@pytest.fixture(scope="module")
+def numbers():
+    return json.loads(STACKER.with_suffix(".json").read_text())
+
+
+@pytest.fixture(scope="module")
+def stacker():
+    return mr.load(STACKER, as_written=True)
+
+
+def close(found, expected):
+    expected = np.array(expected)
+    return np.allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
+def test_dynamics(stacker, numbers, tmp_path):
+    functions = ("tau", "bias", "inertia_matrix", "forward_dynamics")
+    kernel = mc.compile(stacker, functions=functions, backend="numpy", directory=tmp_path)
+    assert stacker.joint_names == numbers["joints"]
+    for state in numbers["states"]:
+        q, qd, qdd = (np.array(state[key]) for key in ("q", "qd", "qdd"))
+        assert close(kernel.tau(q, qd, qdd), state["tau"])
+        assert close(kernel.bias(q, qd), state["bias"])
+        assert close(kernel.inertia_matrix(q), state["M"])
+        assert close(kernel.forward_dynamics(q, qd, state["tau"]), qdd)
+
+
+def test_frames(stacker, numbers):
+    model = stacker.model().map(float)
+    for state in numbers["states"]:
+        sincos = [(np.sin(x), np.cos(x)) for x in displacements(model, state["q"])]
+        arm = posture(model, state["q"], sincos)
+        for frame in model.frames:
+            there = with_frame(arm, frame.link, frame.placement)
+            pose = poses(there)[-1]
+            assert close(np.column_stack([pose.R, pose.p]), state["T"][frame.name][:3])
+            assert close(frame_jacobian(there), state["J"][frame.name])
+
+
+def test_what_the_decimals_mean_is_near(numbers, tmp_path):
+    meant = mc.compile(mr.load(STACKER), backend="numpy", directory=tmp_path)
+    for state in numbers["states"]:
+        q, qd, qdd = (np.array(state[key]) for key in ("q", "qd", "qdd"))
+        assert np.allclose(meant.tau(q, qd, qdd), state["tau"], rtol=1e-4, atol=1e-3)
+        assert not close(meant.tau(q, qd, qdd), state["tau"])
