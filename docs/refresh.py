@@ -24,7 +24,7 @@ from docs.blocks import BLOCK, NAMES
 #: characters of a line of output that fit on a page
 WIDTH = 90
 
-_SAMPLE = re.compile(r"^```(python|yaml|c)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+_SAMPLE = re.compile(r"^```(python|yaml|xml|c)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _PART = re.compile(f"{_SAMPLE.pattern}|{BLOCK.pattern}", re.MULTILINE | re.DOTALL)
 
 
@@ -46,7 +46,7 @@ def refreshed(text: str) -> str:
 
 def write_file(text: str) -> Path:
     """Put a file of a page, named in its first line, where its samples find it."""
-    name = re.match(r"(?:#|/\*) (\S+\.\w+)", text)
+    name = re.match(r"(?:#|/\*|<!--) (\S+\.\w+)", text)
     path = Path(name[1] if name else "robot.yaml")
     path.write_text(text, encoding="utf-8")
     return path

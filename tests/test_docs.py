@@ -57,6 +57,7 @@ SAMPLES = Sybil(
     [
         PythonCodeBlockParser(doctest_optionflags=FLAGS),
         CodeBlockParser("yaml", write_robot_file),
+        CodeBlockParser("xml", write_robot_file),
         CodeBlockParser("c", write_source),
         find_blocks,
     ]

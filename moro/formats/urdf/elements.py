@@ -15,6 +15,7 @@ from moro.model import PRISMATIC, REVOLUTE, Drive, JointType
 from moro.spatial.vectors import Matrix, Vector
 
 _ZERO, _ONE = sp.Integer(0), sp.Integer(1)
+_X: Vector = (_ONE, _ZERO, _ZERO)
 _NOWHERE: Vector = (_ZERO, _ZERO, _ZERO)
 _FREE = Drive()
 
@@ -86,7 +87,7 @@ class Joint:
     child: str
     origin: Origin = Origin()
     #: its direction, of any length
-    axis: Vector = (_ONE, _ZERO, _ZERO)
+    axis: Vector = _X
     limits: tuple[Any, Any] | None = None
     drive: Drive = _FREE
     mimic: Mimic | None = None
@@ -163,9 +164,7 @@ def _joint(element: Element, name: str, reading: Reading) -> Joint | None:
         return None
     if kind == "fixed":
         return Joint(name, element.line, kind, parent, child, origin)
-    axis = _axis(element, of, reading)
-    if axis is None:
-        return None
+    axis = _axis(element, of, reading) or _X
     limits = None if kind in ("continuous", "planar") else _limits(element, of, reading)
     drive, mimic = _drive(element, of, reading), _mimic(element, of, reading)
     return Joint(name, element.line, kind, parent, child, origin, axis, limits, drive, mimic)
@@ -187,7 +186,7 @@ def _end(element: Element, tag: str, of: str, reading: Reading) -> str | None:
 
 def _axis(joint: Element, of: str, reading: Reading) -> Vector | None:
     element = reading.only(joint, "axis", of)
-    return (_ONE, _ZERO, _ZERO) if element is None else reading.direction(element, "xyz", of)
+    return _X if element is None else reading.direction(element, "xyz", of)
 
 
 def _limits(joint: Element, of: str, reading: Reading) -> tuple[Any, Any] | None:
