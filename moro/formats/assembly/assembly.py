@@ -13,7 +13,7 @@ from moro.checks.callers import outside
 from moro.formats.assembly import bodies, drives, parts, tree
 from moro.formats.assembly.links import Link, Motion
 from moro.formats.assembly.steps import joined, placed
-from moro.model import REVOLUTE, Body, Coordinate, Frame, Joint, Model, Parameter, Turn
+from moro.model import REVOLUTE, Body, Coordinate, Drive, Frame, Joint, Model, Parameter, Turn
 from moro.model.placement import Step
 from moro.spatial.vectors import Vector, times, transpose
 
@@ -37,7 +37,8 @@ class Assembly:
     #: the link whose frame is the tip; by default the one that most links carry
     tip: str | None = None
     parameters: tuple[Parameter, ...] = ()
-    not_set: frozenset[str] = field(default_factory=frozenset)
+    #: by default, what no link and no drive has
+    not_set: frozenset[str] | None = None
     #: what is to be said of it: (of what, what)
     notes: tuple[tuple[str, str], ...] = ()
 
@@ -102,7 +103,8 @@ class Assembly:
             built.add(link)
         if not built.joints:
             raise ValueError(f"{self.name} has no joint that moves")
-        coordinates = (self._driven(name, links) for name in order)
+        coordinates = [self._driven(name, links) for name in order]
+        absent = _absent([x.drive for x in coordinates], built.carried)
         return Model(
             name=self.name,
             joints=tuple(built.joints),
@@ -111,7 +113,7 @@ class Assembly:
             coordinates=tuple(coordinates),
             frames=self._frames(built, links),
             parameters=self.parameters,
-            not_set=self.not_set,
+            not_set=absent if self.not_set is None else self.not_set,
         )
 
     def _moving(self, links: Iterable[Link]) -> list[str]:
@@ -210,6 +212,17 @@ class _Build:
         self.joints.append(Joint(motion.type, parent, placed(steps), offset, terms, motion.name))
         self.carried.append([])
         return len(self.joints) - 1
+
+
+def _absent(drives: Sequence[Drive], carried: Iterable[list[Body]]) -> frozenset[str]:
+    """Return what no drive and no link has, by the names of ``Model.not_set``."""
+    there = {
+        "rotor_inertias": any(x.rotor_inertia != 0 for x in drives),
+        "viscous_friction": any(x.viscous != 0 for x in drives),
+        "coulomb_friction": any(x.coulomb != (0, 0) or x.static for x in drives),
+        **dict.fromkeys(("masses", "cm_positions", "inertia_tensors"), any(carried)),
+    }
+    return frozenset(name for name, given in there.items() if not given)
 
 
 def _last_turn_about_z(steps: Sequence[Step]) -> Any:

@@ -91,6 +91,16 @@ def test_joints_frictions_are_those_of_their_coordinates():
     assert model.coordinates[0].drive == Drive(R(5), R(10), (R(7), R(5)))
 
 
+def test_what_no_drive_and_no_link_has_is_not_set():
+    """So that there are no base parameters for it, and rotors do not join bodies."""
+    drives = {"rotor_inertias", "viscous_friction", "coulomb_friction"}
+    assert arm().model().not_set == drives
+    bare = replace(arm(), links=tuple(replace(link, bodies=()) for link in arm().links))
+    assert bare.model().not_set == drives | {"masses", "cm_positions", "inertia_tensors"}
+    driven = robot(joint("upper", None, drive=Drive(viscous=one)))
+    assert "viscous_friction" not in driven.model().not_set
+
+
 def test_friction_of_a_joint_that_two_coordinates_move_is_refused():
     drive = Drive(viscous=one)
     both = Motion(REVOLUTE, (("a", one), ("b", -one)), name="palm", drive=drive)
