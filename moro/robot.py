@@ -121,15 +121,23 @@ class Robot(Mechanics):
         return cls.of(description(source, root=root, tip=tip, fix=fix, as_written=as_written))
 
     @classmethod
-    def of(cls: type[_Self], model: Model | Source) -> _Self:
-        """Return the robot that is a ``Model``, a tree say, in exact values.
+    def of(cls: type[_Self], described: Mapping[str, Any] | Model | Source) -> _Self:
+        """Return the robot that is described as in a robot.yaml, or is a ``Model``, a tree say.
 
-        It has no rows: its masses and all else are set in the model. Frame i is the model's frame
-        called i, or else that of joint i; others are known by their names, ``robot.T_i0("hand")``.
-        What readers of files return is taken too.
+        A dictionary has the fields of the file, in numbers, expressions of SymPy, or texts as
+        there: ``{"links": [{"joint": "revolute", "xyz": [0, 0, l1], "axis": "y"}, ..]}``. Of a
+        bare chain of rows everything can be set as of ``Robot(row, ..)``; else it has no rows, and
+        its masses and all else are set where it is described. Frame i is that of joint i; others
+        are known by their names, ``robot.T_i0("hand")``. Raises ``moro.io.RobotFileError``, a
+        ValueError, that lists all that is wrong with the fields.
         """
+        if isinstance(described, Mapping):
+            from moro.formats.loading import given  # which asks for more than SymPy
+
+            described = given(described)
         robot = cls.__new__(cls)
-        Mechanics.__init__(robot, model if isinstance(model, Source) else HandMade(model))
+        source = described if isinstance(described, Source) else HandMade(described)
+        Mechanics.__init__(robot, source)
         return robot
 
     # -- what is given ----------------------------------------------------------------------------
@@ -173,6 +181,16 @@ class Robot(Mechanics):
     def model(self) -> Model:
         """Return the robot as all algorithms read it (``moro.model``)."""
         return self._model
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the robot as a robot.yaml, from which ``load`` makes the same one.
+
+        A file that is there is replaced. Symbols become parameters, under names that a file can
+        hold. Raises ValueError for what no robot.yaml can say; nothing is written then.
+        """
+        from moro.formats.saving import save  # which asks for more than SymPy
+
+        save(self._source, path)
 
     def report(
         self, kind: Literal["tex", "html"], path: str | os.PathLike[str] | None = None

@@ -14,7 +14,7 @@ from moro.checks.meant import hint
 from moro.formats.loading import packaged
 from moro_codegen import FUNCTIONS, registry
 from moro_codegen.backends.toolchain import ToolchainError
-from moro_codegen.cli.robot_file import read
+from moro_codegen.cli.robot_file import read, save
 from moro_codegen.functions.catalogue import Function
 from moro_codegen.installation import versions
 
@@ -147,6 +147,12 @@ class _Fixed(click.ParamType):  # type: ignore[type-arg]
     help="Of a URDF: 1.5708 is that decimal, and not pi/2.",
 )
 @click.option(
+    "--save",
+    "saved",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write the robot to this robot.yaml, and leave without making a kernel.",
+)
+@click.option(
     "-o",
     "--output",
     type=click.Path(file_okay=False, path_type=Path),
@@ -206,6 +212,7 @@ def main(
     tip: tuple[str, ...],
     fix: tuple[tuple[str, Any], ...],
     as_written: bool,
+    saved: Path | None,
     output: Path,
     backend: str,
     scalar: str,
@@ -223,6 +230,10 @@ def main(
     """
     try:
         part = {"root": root, "tip": tip, "fix": dict(fix), "as_written": as_written}
+        if saved is not None:
+            save(robot, part, saved)
+            click.echo(f"{saved}: written")
+            sys.exit(0)
         arm, source = read(robot, part)
         # what follows needs SymPy and NumPy; a file that is refused does not
         from moro_codegen.cli.job import Order, run

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import warnings
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import click
@@ -13,18 +14,13 @@ import moro
 from moro.formats.loading import description, locate
 
 
-def read(source: str, part: Mapping[str, Any] | None = None) -> tuple[moro.Robot, dict[str, Any]]:
+def read(source: str, part: Mapping[str, Any]) -> tuple[moro.Robot, dict[str, Any]]:
     """Return the robot, and what the manifest says of its file; warnings go to standard error.
 
     ``part`` are the arguments of ``moro.load`` beside the file.
     """
-    asked = {name: value for name, value in (part or {}).items() if value}
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        arm = description(source, **asked)  # refuses without SymPy, which Robot asks for
-        robot = moro.Robot.of(arm)
-    for warning in caught:
-        click.echo(f"moro-codegen: warning: {warning.message}", err=True)
+    asked = {name: value for name, value in part.items() if value}
+    robot = _loaded(source, asked)
     if robot.masses is None:
         raise ValueError(f"{source} gives no masses, so there is no tau: add mass, com and inertia")
     path = locate(source)
@@ -32,6 +28,21 @@ def read(source: str, part: Mapping[str, Any] | None = None) -> tuple[moro.Robot
     said = {what: text for what, state, text in robot.model_summary() if state == "read"}
     given = {name: _plain(value) for name, value in asked.items()}
     return robot, {"file": path.name, "sha256": digest, **given, **({"read": said} if said else {})}
+
+
+def save(source: str, part: Mapping[str, Any], path: Path) -> None:
+    """Write the robot to a robot.yaml; the other arguments are those of ``read``."""
+    _loaded(source, {name: value for name, value in part.items() if value}).save(path)
+
+
+def _loaded(source: str, asked: Mapping[str, Any]) -> moro.Robot:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        arm = description(source, **asked)  # refuses without SymPy, which Robot asks for
+        robot = moro.Robot.of(arm)
+    for warning in caught:
+        click.echo(f"moro-codegen: warning: {warning.message}", err=True)
+    return robot
 
 
 def _plain(value: Any) -> Any:

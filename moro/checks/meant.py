@@ -45,13 +45,17 @@ _SYNONYMS = [
 
 _GEAR = (
     "drives are given at the link side: rotor inertia and viscous friction of the motor times the"
-    " gear ratio squared, Coulomb friction times the ratio"
+    " gear ratio squared, Coulomb friction times the ratio; links of a robot.yaml, and of Robot.of,"
+    " have gear_ratio"
 )
 _TOOL = (
     "a tool is part of the last link: its mass, centre of mass and inertia belong there, and the"
-    " last row says where frame n is"
+    " last row says where frame n is; a robot.yaml, and Robot.of, has bodies and a tool"
 )
-_BASE = "frame 0 is the base: a tilted one is a matter of gravity, a shifted one of the first row"
+_BASE = (
+    "frame 0 is the base: a tilted one is a matter of gravity, a shifted one of the first row; a"
+    " robot.yaml, and Robot.of, has a base"
+)
 
 #: what is not there, and what to do
 _ELSEWHERE = {

@@ -122,7 +122,7 @@ def _lengths(link: LinkData) -> Iterator[tuple[str, str]]:
 
 def _angles(link: LinkData) -> Iterator[tuple[str, str]]:
     for field in ("alpha", "theta"):
-        if remark := _angle(getattr(link, field)):
+        if remark := angle_remark(getattr(link, field)):
             yield field, remark
     if link.revolute and any(_exceeds(limit, TWO_TURNS) for limit in link.limits or ()):
         yield "limits", "is more than two turns; angles are in radians, 180 degrees are `pi`"
@@ -133,7 +133,7 @@ def _exceeds(value: Any, bound: float) -> bool:
     return bool(value.is_Rational and abs(value) > bound)
 
 
-def _angle(value: Any) -> str | None:
+def angle_remark(value: Any) -> str | None:
     """Find degrees, and quarter turns typed as decimals: then sines that should be 0 are 1e-8."""
     if not value.is_Rational or value == 0:
         return None

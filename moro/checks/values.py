@@ -122,6 +122,14 @@ def not_negative(value: Any, what: str, variables: Iterable[Any] = ()) -> Any:
     return expr
 
 
+def not_zero(value: Any, what: str) -> Any:
+    """Return a constant that is not 0."""
+    expr = constant(value, what)
+    if expr == 0:
+        raise ValueError(f"{what} must not be 0")
+    return expr
+
+
 def moving(expr: Any, variables: Iterable[Any] = ()) -> list[Any]:
     """Return what makes an expression change: time, functions, the joint variables."""
     held = expr.free_symbols | expr.atoms(AppliedUndef)
@@ -223,6 +231,31 @@ def vector(values: Any, what: str, variables: Iterable[Any] = ()) -> tuple[Any, 
     """Return three components as exact SymPy values."""
     items = components(values, what)
     return tuple(constant(x, f"component {i} of {what}", variables) for i, x in enumerate(items, 1))
+
+
+def direction(values: Any, what: str) -> tuple[Any, ...]:
+    """Return three numbers, of any length but 0."""
+    items = tuple(number(x, what) for x in components(values, what))
+    if not any(items):
+        raise ValueError(f"{what} must be a direction, not the zero vector")
+    return items
+
+
+#: by which a matrix may miss being a rotation: decimals are rounded
+_ROUNDED = sp.Rational(1, 10**4)
+
+
+def rotation(values: Any, what: str) -> Rows:
+    """Return a rotation matrix, to rounding where it is given in numbers."""
+    rows = tuple(vector(row, what) for row in components(values, what))
+    R = sp.Matrix(rows)
+    missed = (R * R.T - sp.eye(3)).applyfunc(sp.simplify)
+    if any(not x.is_number or abs(x.evalf()) > _ROUNDED for x in missed):
+        raise ValueError(f"{what} must be a rotation matrix: its rows are not orthogonal units")
+    turned = sp.simplify(R.det())
+    if not turned.is_number or turned.evalf() < 0:
+        raise ValueError(f"{what} must be a rotation matrix, and this one reflects")
+    return rows
 
 
 def tensor(values: Any, what: str, variables: Iterable[Any] = ()) -> Rows:
@@ -340,7 +373,8 @@ def _three(values: Any) -> list[Any] | None:
 def _equal(x: Any, y: Any) -> bool:
     """Equal as expressions; as numbers, to rounding."""
     if x.is_number and y.is_number:
-        return bool(abs(x - y) <= sp.Rational("1e-12") * max(abs(x), abs(y)))
+        apart, size = (abs(constants.numeric(v)) for v in (x - y, x))
+        return bool(apart <= sp.Rational("1e-12") * size) or constants.is_zero(x - y)
     difference = sp.expand(x - y)
     return bool(difference == 0 or (not difference.is_number and sp.simplify(difference) == 0))
 

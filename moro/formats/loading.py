@@ -69,6 +69,15 @@ def _urdf(
     return Assembled(replace(part, notes=(*notes(part), *part.notes)), decimal=True)
 
 
+def given(fields: Mapping[str, Any]) -> Source:
+    """Return the robot that a dictionary describes, with the fields of a robot.yaml."""
+    from moro.checks.values import has_float
+    from moro.formats.yaml import reader
+    from moro.formats.yaml.build import build
+
+    return build(reader.given(fields), has_float(fields))
+
+
 def read(source: str | os.PathLike[str]) -> RobotFile:
     """Return what the file that ``moro.load`` takes says, validated, in exact SymPy values."""
     from moro.formats.yaml import reader

@@ -96,7 +96,7 @@ class Assembly:
 
     def model(self) -> Model:
         """Return the tree of joints and bodies. ValueError for what is no tree, or has no joint."""
-        links = tree.depth_first(self.links)
+        links = tree.parents_first(self.links)
         order = self._moving(links)
         built = _Build({name: j for j, name in enumerate(order)})
         for link in links:

@@ -27,6 +27,16 @@ def children(links: Iterable[Link]) -> dict[str | None, list[Link]]:
     return found
 
 
+def parents_first(links: Sequence[Link]) -> list[Link]:
+    """Return links in the order given, where parents come first in it, or else ``depth_first``.
+
+    ValueError for what that refuses.
+    """
+    found, place = depth_first(links), {link.name: i for i, link in enumerate(links)}
+    given = all(x.parent is None or place[x.parent] < i for i, x in enumerate(links))
+    return [*links] if given else found
+
+
 def depth_first(links: Sequence[Link]) -> list[Link]:
     """Return links, each followed by what it carries, what it carries in the order given.
 

@@ -8,7 +8,7 @@ reading, so that a hostile file costs no more than a good one.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NoReturn, TypeAlias
 
@@ -19,39 +19,43 @@ from moro.formats.errors import Problem
 #: bytes of a file
 MAX_SIZE = 4_000_000
 #: entries of a list; the longest one in a robot file is its list of links
-MAX_ITEMS = 100
+MAX_ITEMS = 300
 #: values in a file, with those that aliases repeat counted each time
 MAX_VALUES = 20_000
 #: characters of a key
 MAX_KEY = 100
-#: lists and mappings inside each other; a robot file needs 4
+#: lists and mappings inside each other; a robot file needs 7
 MAX_NESTING = 10
 
 
 @dataclass(frozen=True)
 class Scalar:
-    """A single value: its source text, and what YAML takes it for: "str", "bool", "null", ..."""
+    """A single value: its source text, and what YAML takes it for: "str", "bool", "null", ...
+
+    Or a value of Python's, which stands in no line.
+    """
 
     text: str
     kind: str
-    line: int
+    line: int | None
     size: int = 1
+    value: Any = None
 
 
 class Table(dict[str, Any]):
     """A YAML mapping; ``lines`` has the line of each key."""
 
-    def __init__(self, line: int) -> None:
+    def __init__(self, line: int | None) -> None:
         super().__init__()
         self.line = line
-        self.lines: dict[str, int] = {}
+        self.lines: dict[str, int | None] = {}
         self.size = 1
 
 
 class List(list[Any]):
     """A YAML sequence."""
 
-    def __init__(self, line: int) -> None:
+    def __init__(self, line: int | None) -> None:
         super().__init__()
         self.line = line
         self.size = 1
@@ -80,7 +84,7 @@ def compose(text: str) -> tuple[Node, list[Problem]]:
         raise DocumentError(_explained(error, text)) from None
 
 
-def place(tree: Node, location: tuple[int | str, ...]) -> tuple[int, str]:
+def place(tree: Node, location: tuple[int | str, ...]) -> tuple[int | None, str]:
     """Return the line and the name, such as ``links[2].mass``, of the node at ``location``.
 
     Steps that the tree does not have are left out, but for the last: a missing key is named too.
@@ -99,11 +103,34 @@ def place(tree: Node, location: tuple[int | str, ...]) -> tuple[int, str]:
     return line, field
 
 
+def tree_of(value: Any) -> Node:
+    """Return mappings, lists and values of Python's as the tree of a document without lines."""
+    if isinstance(value, Mapping):
+        table = Table(None)
+        for key, part in value.items():
+            table[str(key)] = tree_of(part)
+            table.lines[str(key)] = None
+        return table
+    if getattr(value, "shape", None) and hasattr(value, "tolist"):
+        shape, value = value.shape, value.tolist()
+        if len(shape) == 2 and 1 in shape:  # a column or a row of SymPy
+            value = [x for row in value for x in row]
+    if isinstance(value, (list, tuple)):
+        entries = List(None)
+        entries.extend(map(tree_of, value))
+        return entries
+    if value is None:
+        return Scalar("~", "null", None)
+    if isinstance(value, str):
+        return Scalar(value, "str", None)
+    return Scalar(str(value), "bool" if isinstance(value, bool) else "value", None, value=value)
+
+
 def _dotted(field: str, key: str) -> str:
     return f"{field}.{key}" if field else key
 
 
-def _refuse(line: int, field: str, message: str) -> NoReturn:
+def _refuse(line: int | None, field: str, message: str) -> NoReturn:
     raise DocumentError(Problem(line, field, message))
 
 

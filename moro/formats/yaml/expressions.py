@@ -255,13 +255,18 @@ class _Parser:
             _refuse(f"`{token.text}` is a function: write `{token.text}(...)`")
         if token.text.lower() in ("nan", "inf", "infinity"):
             _refuse(f"`{token.text}` is not a finite number")
-        if token.text == "t" or JOINT_VARIABLE.fullmatch(token.text):
-            meaning = "time" if token.text == "t" else "a joint variable"
+        variables = [name for name in self.names if JOINT_VARIABLE.fullmatch(name)]
+        if token.text == "t":
+            _refuse("`t` stands for time; expected a constant")
+        if JOINT_VARIABLE.fullmatch(token.text):
             _refuse(
-                f"{quoted(token.text)} stands for {meaning},"
-                " which moro adds by itself; give the constant part only, 0 if there is none"
+                f"{quoted(token.text)} stands for a joint variable; there can be `q1` to"
+                f" `q{len(variables) // 2}`, one for each joint"
+                if variables
+                else f"{quoted(token.text)} stands for a joint variable, which only `theta` of a"
+                " joint that turns and `d` of one that slides may hold"
             )
-        hint = nearest(token.text, ["pi", *self.names])
+        hint = nearest(token.text, ["pi", *(x for x in self.names if x not in variables)])
         hint = hint or f"; declare it, `parameters: {{{token.text}: 1}}`, where 1 is its default"
         return _refuse(f"{quoted(token.text)} is not a number, `pi` or a declared parameter{hint}")
 

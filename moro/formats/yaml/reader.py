@@ -5,8 +5,9 @@ from __future__ import annotations
 import codecs
 import os
 import warnings
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from moro.checks.callers import outside
 from moro.formats import names
@@ -21,6 +22,7 @@ from moro.formats.yaml.document import (
     Table,
     compose,
     place,
+    tree_of,
 )
 
 if TYPE_CHECKING:
@@ -47,25 +49,61 @@ def read(path: str | os.PathLike[str], *, warn: bool = True) -> RobotFile:
     if not isinstance(tree, Table):
         message = "expected `links:` with one entry for each joint"
         raise RobotFileError(shown, [Problem(tree.line, "", message)])
-    # what the values say needs SymPy: a path or a text that is none is refused without
-    from pydantic import ValidationError
-
-    from moro.formats.yaml.remarks import remarks
-    from moro.formats.yaml.schema import Context, RobotFile, problems
-
     if "name" not in tree:
         tree["name"] = Scalar(names.identifier(Path(path).stem), "str", tree.line)
         tree.lines["name"] = tree.line
+    file = validated(tree, shown, doubled)
+    if warn:
+        _warn(file, tree, shown)
+    return file
+
+
+def given(fields: Mapping[str, Any]) -> RobotFile:
+    """Return the robot that a dictionary of Python's describes, with the fields of a file.
+
+    Raises RobotFileError and warns, as ``read`` does, naming fields.
+    """
+    tree = tree_of({"name": "robot"} | dict(fields))
+    assert isinstance(tree, Table)  # noqa: S101 - made of a mapping
+    file = validated(tree, "")
+    _warn(file, tree, "")
+    return file
+
+
+def _warn(file: RobotFile, tree: Table, shown: str) -> None:
+    """Warn of what is legal but probably not meant."""
+    from moro.formats.yaml.remarks import remarks
+
+    for location, remark in remarks(file):
+        message = Problem(*place(tree, location), remark).at(shown)
+        warnings.warn(message, RobotFileWarning, stacklevel=outside())
+
+
+def validated(tree: Table, shown: str, doubled: Iterable[Problem] = ()) -> RobotFile:
+    """Return what a document says. Raises RobotFileError with all that is wrong.
+
+    ``doubled`` are the keys that it gives twice.
+    """
+    # what the values say needs SymPy: a path or a text that is none is refused without
+    from pydantic import ValidationError
+
+    from moro.formats.yaml.coordinates import moved
+    from moro.formats.yaml.fields import between
+    from moro.formats.yaml.problems import problems
+    from moro.formats.yaml.references import references
+    from moro.formats.yaml.schema import RobotFile
+    from moro.formats.yaml.values import Context
+
+    found = [*doubled]
     try:
         file = RobotFile.model_validate(tree, context=Context.of(tree))
     except ValidationError as error:
-        raise RobotFileError(shown, [*doubled, *problems(error, tree)]) from None
-    if doubled:
-        raise RobotFileError(shown, doubled)
-    if warn:
-        for location, remark in remarks(file):
-            message = Problem(*place(tree, location), remark).at(shown)
-            warnings.warn(message, RobotFileWarning, stacklevel=outside())
+        raise RobotFileError(shown, [*found, *problems(error, between(tree), tree)]) from None
+    found += problems(None, between(tree), tree)
+    if not found:
+        found += problems(None, [*moved(file)[1], *references(file).wrong], tree)
+    if found:
+        raise RobotFileError(shown, found)
     return file
 
 

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import sympy
 
 from moro.checks.constants import numeric
-from moro.checks.plausibility import LinkData
+from moro.checks.plausibility import LinkData, angle_remark
 from moro.checks.plausibility import remarks as remarks_on
 from moro.checks.values import shown
-from moro.formats.yaml.schema import Link, RobotFile
+from moro.formats.yaml.coordinates import affine, displacement
+from moro.formats.yaml.problems import Location
+from moro.formats.yaml.schema import Link, RobotFile, is_row
 
-Location = tuple[int | str, ...]
+_ZERO = sympy.Integer(0)
 
 
 def remarks(file: RobotFile) -> Iterator[tuple[Location, str]]:
@@ -26,8 +28,20 @@ def remarks(file: RobotFile) -> Iterator[tuple[Location, str]]:
     for location, value in values:
         if message := _without_value(value, file.parameters):
             yield location, message
-    for field, link, message in remarks_on([_data(link) for link in file.links], file.gravity):
-        yield (field,) if link is None else ("links", link, field), message
+    rows = [is_row(link.model_fields_set, link.joint == "fixed") for link in file.links]
+    data = [_data(link, row) for link, row in zip(file.links, rows, strict=True)]
+    for field, i, message in remarks_on(data, file.gravity):
+        if i is None:
+            yield (field,), message
+        elif field in ("a", "d") and not rows[i]:
+            yield ("links", i, "xyz"), message
+        else:
+            yield ("links", i, field), message
+    for i, link in enumerate(file.links):
+        for pose in link.poses:
+            for x in pose.rpy or ():
+                if message := angle_remark(x):
+                    yield ("links", i, "rpy"), message
 
 
 def _values(location: Location, value: Any) -> Iterator[tuple[Location, Any]]:
@@ -54,16 +68,27 @@ def _without_value(value: Any, defaults: Mapping[Any, Any]) -> str | None:
     return f"`{value}` is not a real, finite number at the default {given}"
 
 
-def _data(link: Link) -> LinkData:
-    tensor: Any = link.inertia  # its rows, whatever form it has in the file
+def _data(link: Link, row: bool) -> LinkData:
+    """Return what is given of a link; of one that is placed, how far it is away as its length."""
+    turns = link.joint in ("revolute", "helical")
+    about_com = link.com is not None and link.inertia_about == "com"
+    given: dict[str, Any] = {"mass": link.mass, "com": link.com, "limits": link.limits}
+    given["inertia"] = link.inertia if about_com else None
+    if not row:
+        away = [pose.xyz for pose in link.poses if pose.xyz is not None]
+        length = sum(max(map(sympy.Abs, xyz), default=_ZERO) for xyz in _numbers(away)) + _ZERO
+        return LinkData(turns, length, _ZERO, _ZERO, _ZERO, **given)
+    name, value = displacement(link)
+    still = {name: affine(value)[1]}
     return LinkData(
-        link.joint == "revolute",
+        turns,
         link.a,
         link.alpha,
-        link.d,
-        link.theta,
-        link.mass,
-        link.com,
-        tensor,
-        link.limits,
+        still.get("d", link.d),
+        still.get("theta", link.theta),
+        **given,
     )
+
+
+def _numbers(vectors: Iterable[Any]) -> Iterator[Any]:
+    return (v for v in vectors if all(x.is_number for x in v))

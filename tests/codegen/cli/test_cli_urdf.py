@@ -6,6 +6,8 @@ import pytest
 from command import run
 from urdfs import axis, body, joint, link, origin, robot, written
 
+import moro as mr
+
 HAND = robot(
     link("base", body(9)),
     joint("turn*/", "base", "turret", axis("0 0 1") + '<dynamics damping="0.1" friction="0.2"/>'),
@@ -91,3 +93,14 @@ def test_a_broken_file(tmp_path):
         "robot.urdf:4: <mass value> of link turret: must not be negative, not -3",
     ):
         assert line in done.stderr
+
+
+def test_a_robot_is_saved(path, tmp_path):
+    done = run(path, "--tip", "left", "--save", "hand.yaml", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "hand.yaml: written\n")
+    whole, saved = mr.load(path, tip="left"), mr.load(tmp_path / "hand.yaml")
+    assert saved.model() == whole.model()
+    assert not (tmp_path / "build").exists()
+    done = run(path, "--save", "no/hand.yaml", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "No such file or directory" in done.stderr

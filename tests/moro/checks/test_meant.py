@@ -82,16 +82,16 @@ def test_things(action, error, said):
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
-        ("a.urdf", '<?xml version="1.0"?>\n<robot name="a"/>', "is URDF, the format of ROS"),
+        ("a.urdf", '<?xml version="1.0"?>\n<robot name="a"/>', "there is no <link> in it"),
         ("a.xml", "<mujoco/>", "is MJCF, the format of MuJoCo"),
         ("a.sdf", "<sdf/>", "is SDF, the format of Gazebo"),
-        ("a.xacro", "<robot/>", "is xacro, from which ROS makes URDF"),
+        ("a.xacro", "<robot><xacro:a/></robot>", "is xacro, of which ROS makes a URDF"),
         ("a.json", '{"a": 1}', "is JSON; expected a robot.yaml"),
         ("a.yaml", ROWS + "a: 1,5}\n", "links[1].a: `1,5` has a decimal comma; write `1.5`"),
         ("a.yaml", ROWS + "a: payload}\n", "declare it, `parameters: {payload: 1}`"),
-        ("a.yaml", ROWS + "a: 1, gear_ratio: 3}\n", "drives are given at the link side"),
-        ("a.yaml", ROWS + "a: 1}\ntool: 3\n", "a tool is part of the last link"),
-        ("a.yaml", ROWS + "a: 1, motor_inertia: 3}\n", "did you mean `rotor_inertia`?"),
+        ("a.yaml", ROWS + "a: 1, gear: 3}\n", "did you mean `gear_ratio`?"),
+        ("a.yaml", ROWS + "a: 1, flange: 3}\n", "a tool is part of the last link"),
+        ("a.yaml", ROWS + "a: 1, armature: 3}\n", "did you mean `rotor_inertia`?"),
         (
             "a.yaml",
             ROWS + "a: 1, mass: 1, com: [0, 0, 0], inertia: {ixx: 1, yy: 1, zz: 1, ab: 3}}\n",

@@ -107,7 +107,10 @@ WRONG_VALUES = [
     ("mass", "!!python/object:os.system x", 11, "links[1].mass", "tags such as"),
     ("mass", "!!float 1", 11, "links[1].mass", "tags such as `!!float` are not read"),
     ("mass", "1+" * 600 + "1", 11, "links[1].mass", "at most 1000 are read"),
-    ("theta", "q1", 10, "links[1].theta", "a joint variable, which moro adds by itself"),
+    ("a", "q1", 7, "links[1].a", "a joint variable, which only `theta` of a joint that turns"),
+    ("theta", "q2", 10, "links[1].theta", "there can be `q1` to `q1`, one for each joint"),
+    ("theta", "q1**2", 10, "links[1].theta", "must be a sum of joint variables, each times"),
+    ("theta", "t", 10, "links[1].theta", "`t` stands for time"),
     ("alpha", "pi/2 rad", 8, "links[1].alpha", "angles in radians"),
     ("alpha", "90°", 8, "links[1].alpha", "90 degrees are `pi/2`"),
     # out of range
@@ -176,9 +179,8 @@ WRONG_VALUES = [
     ("links", "", 5, "links", "found nothing; expected a list with one entry"),
     ("parameters", "[m_tool]", 4, "parameters", "expected a mapping: `name: default value`"),
     # words
-    ("joint", "rotational", 6, "links[1].joint", "or `prismatic`; write `revolute`"),
+    ("joint", "rotational", 6, "links[1].joint", "or `fixed`; write `revolute`"),
     ("joint", "revolut", 6, "links[1].joint", "did you mean `revolute`?"),
-    ("joint", "fixed", 6, "links[1].joint", "part of the link before it"),
     ("joint", "[revolute]", 6, "links[1].joint", "found a list of 1 value; expected `revolute`"),
     (
         "convention",
@@ -246,7 +248,10 @@ def test_an_unknown_field_names_the_nearest_known_one(errors_of, old, new, line,
 def test_an_unknown_field_like_no_other_lists_the_known_ones(errors_of):
     (problem,) = errors_of("colour: red\n" + ARM)
     assert problem == Problem(
-        1, "colour", "unknown field; known are name, convention, gravity, parameters, links"
+        1,
+        "colour",
+        "unknown field; known are name, convention, gravity, parameters, base, tool, tip,"
+        " coordinates, links",
     )
 
 
@@ -359,7 +364,7 @@ def test_a_problem_inside_an_alias_is_reported_where_it_is_used(errors_of):
         ("links: &x [*x]\n", 1, "`*x` stands inside of `&x` itself"),
         ("? [1, 2]\n: 3\n", 1, "a key is a plain name"),
         ("<<: {name: arm}\n", 1, "`<<` (merging) is not read"),
-        ("links: []\n", 1, "no links; an arm has 1 to 100"),
+        ("links: []\n", 1, "no links; an arm has 1 to 300"),
         ("links: {joint: revolute}\n", 1, "found a mapping; expected a list with one entry"),
         ("links: 6\n", 1, "found `6`; expected a list with one entry"),
         ("x" * 200 + ": 1\n", 1, "a key of more than 100 characters"),
@@ -376,7 +381,7 @@ def test_a_file_that_is_not_the_document_it_should_be(errors_of, text, line, sai
     [
         (b"name: a\nlinks: \xff\n", 2, "is not UTF-8 text (byte 0xFF)"),
         (ARM.encode("utf-16"), 1, "is not UTF-8 text (it is UTF-16)"),
-        (b"#" * (MAX_SIZE + 1), None, "is larger than 4 MB; an arm has at most 100 links"),
+        (b"#" * (MAX_SIZE + 1), None, "is larger than 4 MB; an arm has at most 300 links"),
     ],
 )
 def test_a_file_that_is_not_text(errors_of, content, line, said):
@@ -402,9 +407,9 @@ EXPLOSION = "\n".join(
         ("links: " + "[" * 100_000, "nested deeper than 10 levels"),
         ("links: " + "{a: " * 100_000, "nested deeper than 10 levels"),
         ("- " * 100_000, "nested deeper than 10 levels"),
-        ("links:\n" + ARM.split("links:\n")[1] * 101, "more than 100 entries; an arm has 1 to 100"),
-        ("links:\n" + ARM.split("links:\n")[1] * 10_000, "an arm has 1 to 100 links"),
-        ("links:\n" + "  - {}\n" * 10_000, "an arm has 1 to 100 links"),
+        ("links:\n" + ARM.split("links:\n")[1] * 301, "more than 300 entries; an arm has 1 to 300"),
+        ("links:\n" + ARM.split("links:\n")[1] * 10_000, "an arm has 1 to 300 links"),
+        ("links:\n" + "  - {}\n" * 10_000, "an arm has 1 to 300 links"),
     ],
 )
 def test_a_file_that_explodes_costs_little(errors_of, text, said):
