@@ -8,15 +8,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from functools import partial, update_wrapper
+from functools import cached_property, partial, update_wrapper
 from pathlib import Path
 from types import FunctionType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from moro_codegen import backends
 from moro_codegen.backends import Backend, Folder, Opened
 from moro_codegen.kernel.store import MANIFEST, DamagedError, checked_file, read_manifest, settled
 from moro_codegen.signature import Signature
+
+if TYPE_CHECKING:
+    from moro_codegen.kernel.in_jax import InJAX
 
 
 class Kernel:
@@ -95,6 +98,18 @@ class Kernel:
             what = f"{path.name} is of another kernel than {MANIFEST} describes"
             raise DamagedError(self.directory, what)
         return opened
+
+    @cached_property
+    def jax(self) -> InJAX:
+        """The same functions for JAX on the CPU, ``kernel.jax.tau(q, qd, qdd)``, with derivatives.
+
+        They go through ``jax.jit``, ``jax.vmap`` and ``jax.grad``; derivatives are those of the
+        kernel's own functions, of ``tau`` for one those of ``tau_derivatives``. Raises ValueError
+        for a kernel that is not in C, ImportError without JAX.
+        """
+        from moro_codegen.kernel.in_jax import InJAX
+
+        return InJAX(self)
 
     def __getattr__(self, name: str) -> Callable[..., Any]:
         functions = ", ".join(self.__dict__.get("signatures", ()))
