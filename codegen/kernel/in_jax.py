@@ -61,8 +61,9 @@ def _registered(kernel: Kernel) -> Iterator[tuple[str, Call]]:
         loop = ctypes.cast(library[f"{kernel.name}_{name}_loop"], ctypes.c_void_p)
         handlers.bind(which, loop)
         target = f"moro_{kernel.manifest['key'][:16]}_{name}"
-        handler = jax.ffi.pycapsule(handlers[f"call_{name}"])  # type: ignore[no-untyped-call]
-        jax.ffi.register_ffi_target(target, handler, platform="cpu")
+        ffi: Any = jax.ffi  # which has no types
+        handler = ffi.pycapsule(handlers[f"call_{name}"])
+        ffi.register_ffi_target(target, handler, platform="cpu")
         yield name, _call(target, signature)
 
 
