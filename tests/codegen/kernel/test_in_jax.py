@@ -1,4 +1,4 @@
-"""``kernel.jax``: the kernel's own numbers through jit and vmap, derivatives against differences."""
+"""``kernel.jax``: the numbers of the kernel through jit and vmap; derivatives by differences."""
 
 import jax
 import numpy as np
