@@ -30,12 +30,19 @@ MASSLESS = Body(_ZERO, NOTHING, (NOTHING, NOTHING, NOTHING))
 
 
 def central_body(
-    mass: Any, com: Vector, inertia: Matrix, frame: Placement = _NOWHERE, in_numbers: bool = True
+    mass: Any,
+    com: Vector,
+    inertia: Matrix,
+    frame: Placement = _NOWHERE,
+    in_numbers: bool | None = None,
 ) -> Body:
     """Return a body that is given about its centre of mass, in a ``frame`` of its link (Steiner).
 
     What is divided by the mass, h / m for a centre of mass say, is formed without the division.
+    Whether it is given ``in_numbers`` is seen from these, if it is not said.
     """
+    if in_numbers is None:
+        in_numbers = _in_numbers(mass, com, inertia)
     given = Central(com, inertia, frame)
     if any(map(_divisors, (mass, *com, *inertia[0], *inertia[1], *inertia[2]))):
         body = _body_of_quotients(mass, com, inertia, frame)
@@ -43,6 +50,24 @@ def central_body(
     r = add(times(frame.R, com), frame.p)
     tensor = sum_of(_in_parent(inertia, frame), _spread(mass, r, r))
     return Body(mass, scaled(mass, r), tensor, in_numbers, given)
+
+
+def _in_numbers(m: Any, c: Vector, I: Matrix) -> bool:
+    """Return whether a link is given in numbers; a payload may be added to them.
+
+    That is so if it is one without the payload: if, with all symbols 0, it has a mass, a centre of
+    mass (unless at the origin) and the principal entries of its tensor, as with them.
+    """
+    if not sp.Tuple(m, c, I).free_symbols:
+        return True
+    moments = [I[k][k] for k in range(3) if I[k][k] != 0]
+    return all(map(_has_number, (m, *moments))) and (not any(c) or any(map(_has_number, c)))
+
+
+def _has_number(x: Any) -> bool:
+    """Return whether an expression is not 0 where its symbols are."""
+    alone = x.xreplace(dict.fromkeys(x.free_symbols, _ZERO))
+    return bool(alone.is_finite and alone != 0)
 
 
 def moved(body: Body, placement: Placement) -> Body:
@@ -65,7 +90,7 @@ def together(bodies: Iterable[Body]) -> Body:
     mass, h, I = bodies[0].mass, bodies[0].first_moment, bodies[0].inertia
     for body in bodies[1:]:
         mass, h, I = mass + body.mass, add(h, body.first_moment), sum_of(I, body.inertia)
-    in_numbers = all(body.in_numbers for body in bodies)
+    in_numbers = any(body.in_numbers for body in bodies)  # a payload may be added to them
     return Body(settled(mass), settled_vector(h), settled_matrix(I), in_numbers)
 
 
