@@ -61,12 +61,7 @@ class Description(Source):
 
         ``defaults`` are those of parameters that it declares.
         """
-        rows = [
-            (row.a, row.alpha, row.d, row.theta + row.variable, "r")
-            if row.type.is_angle
-            else (row.a, row.alpha, row.d + row.variable, row.theta, "p")
-            for row in arm.rows
-        ]
+        rows = [(row.a, row.alpha, *row.moved, row.type.letter) for row in arm.rows]
         with unremarked():
             new = cls(*rows, convention=read_convention(arm.convention), name=name)
             for name in QUANTITIES:
@@ -82,13 +77,13 @@ class Description(Source):
 
     @property
     def types(self) -> list[JointType]:
-        """The type of each joint."""
-        return [row.type for row in self._rows]
+        """The type of each joint variable: of the first joint that it moves."""
+        return [self._rows[i].type for i in Arm(self._rows, "").variables.values()]
 
     @property
     def qs(self) -> list[Any]:
         """Joint variables q_1..q_n [rad or m]."""
-        return [row.variable for row in self._rows]
+        return [*Arm(self._rows, "").variables]
 
     @property
     def decimal(self) -> bool:
@@ -109,8 +104,8 @@ class Description(Source):
     def dh_table(self) -> Table:
         """The rows and types as a table that prints in text, LaTeX and Jupyter."""
         headings = ("i", "a", "alpha", "d", "theta", "type")
-        joints = zip(self.dh_parameters, self.types, strict=True)
-        rows = [(i, *row, kind.letter) for i, (row, kind) in enumerate(joints, 1)]
+        joints = zip(self.dh_parameters, self._rows, strict=True)
+        rows = [(i, *given, row.type.letter) for i, (given, row) in enumerate(joints, 1)]
         return Table(headings, rows, self.notation)
 
     table = dh_table
@@ -121,7 +116,7 @@ class Description(Source):
 
         Set None instead of all pairs, or of one, where there are none.
         """
-        assumed = [row.type.assumed_limits for row in self._rows]
+        assumed = [kind.assumed_limits for kind in self.types]
         limits = self._as_set.get("joint_limits") or [None] * self.dof
         return [own or other for own, other in zip(limits, assumed, strict=True)]
 
@@ -145,9 +140,9 @@ class Description(Source):
     @masses.setter
     def masses(self, values: Any) -> None:
         if values is None:
-            self._assume("masses", tuple(sp.Symbol(f"m_{i}") for i in range(1, self.dof + 1)))
+            self._assume("masses", tuple(sp.Symbol(f"m_{i}") for i in self._numbers))
             return
-        values = checks.scalars(values, self.dof, "masses")
+        values = checks.scalars(values, self._count, "masses")
         new = tuple(
             checks.not_negative(m, f"m_{i} of masses", self.qs) for i, m in enumerate(values, 1)
         )
@@ -162,7 +157,7 @@ class Description(Source):
     def cm_positions(self, values: Any) -> None:
         if values is None:
             raise ValueError("cm_positions are never assumed: give one [x, y, z] for each link")
-        values = checks.groups(values, self.dof, "cm_positions")
+        values = checks.groups(values, self._count, "cm_positions")
         new = tuple(
             checks.vector(r, f"cm_positions of link {i}", self.qs) for i, r in enumerate(values, 1)
         )
@@ -179,9 +174,9 @@ class Description(Source):
     @inertia_tensors.setter
     def inertia_tensors(self, values: Any) -> None:
         if values is None:
-            self._assume("inertia_tensors", tuple(_diagonal(i) for i in range(1, self.dof + 1)))
+            self._assume("inertia_tensors", tuple(_diagonal(i) for i in self._numbers))
             return
-        values = checks.groups(values, self.dof, "inertia_tensors")
+        values = checks.groups(values, self._count, "inertia_tensors")
         new = tuple(
             checks.tensor(I, f"inertia tensor of link {i}", self.qs)
             for i, I in enumerate(values, 1)
@@ -265,8 +260,17 @@ class Description(Source):
         return QUANTITIES[name]
 
     def _headline(self) -> tuple[str, str, str]:
-        kinds = "".join(kind.letter for kind in self.types)
-        return "rows", "given", f"{self.dof}, {self._convention}, {kinds}"
+        kinds = "".join(row.type.letter for row in self._rows)
+        return "rows", "given", f"{self._count}, {self._convention}, {kinds}"
+
+    @property
+    def _count(self) -> int:
+        """Number of links; joint variables may be fewer."""
+        return len(self._rows)
+
+    @property
+    def _numbers(self) -> range:
+        return range(1, self._count + 1)
 
     # -- state -------------------------------------------------------------------------------------
 
@@ -308,13 +312,14 @@ class Description(Source):
         self._remarked = found
 
     def _link_data(self) -> list[LinkData]:
-        nothing = (None,) * self.dof
+        nothing = (None,) * self._count
+        limits = dict(zip(self.qs, self._joint_limits or (), strict=False))
         columns = (
             self._rows,
             self._masses or nothing,
             self._cm_positions or nothing,
             self._inertia_tensors or nothing,
-            self._joint_limits or nothing,
+            [limits.get(row.terms[0][0]) if row.terms[0][1] == 1 else None for row in self._rows],
         )
         return [
             LinkData(row.type.is_angle, row.a, row.alpha, row.d, row.theta, *rest)
@@ -323,7 +328,7 @@ class Description(Source):
 
     def _constants(self) -> Iterable[Any]:
         for row in self._rows:
-            yield from (row.a, row.alpha, row.d, row.theta)
+            yield from (row.a, row.alpha, row.d, row.theta, *(ratio for _, ratio in row.terms))
         yield from self._masses or ()
         for vector in self._cm_positions or ():
             yield from vector
@@ -344,8 +349,8 @@ class Description(Source):
 
         with unremarked():
             rows = [
-                (*map(put, row), kind.letter)
-                for row, kind in zip(self.dh_parameters, self.types, strict=True)
+                (*map(put, given), row.type.letter)
+                for given, row in zip(self.dh_parameters, self._rows, strict=True)
             ]
             new = Description(*rows, convention=self._convention, name=self.name)
             for name, value in self._as_set.items():

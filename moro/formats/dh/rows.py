@@ -10,8 +10,10 @@ from sympy.core.function import AppliedUndef
 
 from moro.abc import t
 from moro.checks import values as checks
+from moro.formats.coupling import affine, inseparable
 from moro.formats.dh.arm import Row
 from moro.model import PRISMATIC, REVOLUTE, JointType
+from moro.printing.plain import natural
 
 #: what the types of joints are called in a row
 _TYPES = {word: kind for kind in (REVOLUTE, PRISMATIC) for word in (kind.letter, kind.name)}
@@ -61,8 +63,8 @@ def given_rows(rows: Sequence[Any]) -> tuple[tuple[Any, ...], ...]:
 def read_rows(rows: Sequence[tuple[Any, ...]]) -> tuple[Row, ...]:
     """Return the rows ``(a, alpha, d, theta[, "r" | "p"])`` of a table, checked.
 
-    The joint variable is found in theta (revolute) or d (prismatic): the one function of time
-    there, else the one symbol; what is added to it is a constant offset.
+    The joint variables are found in theta (revolute) or d (prismatic): the functions of time there,
+    else the one symbol; they may have constant ratios, and what is added to them is an offset.
     """
     read = tuple(_read_row(row, f"row {i}") for i, row in enumerate(rows, 1))
     _check_variables(read)
@@ -86,10 +88,10 @@ def _read_row(items: tuple[Any, ...], what: str) -> Row:
     d = checks.scalar(items[2], f"d of {what}")
     theta = checks.angle(items[3], f"theta of {what}")
     if kind.is_angle:
-        variable, theta = _split(theta, f"theta of {what}")
+        terms, theta = _split(theta, f"theta of {what}")
     else:
-        variable, d = _split(d, f"d of {what}")
-    return Row(a, alpha, d, theta, variable, kind)
+        terms, d = _split(d, f"d of {what}")
+    return Row(a, alpha, d, theta, terms, kind)
 
 
 def _type(text: Any, what: str) -> JointType:
@@ -103,61 +105,61 @@ def _type(text: Any, what: str) -> JointType:
     return kind
 
 
-def _split(expr: Any, what: str) -> tuple[Any, Any]:
-    """Return (joint variable, constant offset) of ``expr``."""
-    variable = _variable(expr, what)
-    rate = sp.expand(expr).coeff(variable)
-    offset = sp.expand(expr - rate * variable)
-    if offset.has(variable) or not rate.is_number:
-        raise ValueError(f"{what} must be a joint variable plus a constant, not {expr}")
-    if rate == -1:
-        raise ValueError(
-            f"{what} is {expr}: a joint variable must stand there with factor 1, not -1. Write "
-            f"{variable + offset}, and the joint counts the other way: its positions, velocities, "
-            "torques and limits change their sign"
-        )
-    if rate != 1:
-        raise ValueError(
-            f"{what} is {expr}: a joint variable must stand there once, with factor 1, not {rate}; "
-            "turn the joint's axis round, or take the whole of it as the variable"
-        )
-    return variable, offset
+def _split(expr: Any, what: str) -> tuple[tuple[tuple[Any, Any], ...], Any]:
+    """Return (joint variable, ratio) of each one in ``expr``, and the constant offset."""
+    variables = _variables(expr, what)
+    try:
+        ratios, offset = affine(expr, variables)
+    except ValueError as error:
+        raise ValueError(f"{what} {error} {expr}") from None
+    for constant in (offset, *ratios.values()):
+        if checks.moving(constant):
+            raise ValueError(f"{what} must be joint variables and constants, not {expr}")
+    return tuple(ratios.items()), offset
 
 
-def _variable(expr: Any, what: str) -> Any:
+def _variables(expr: Any, what: str) -> list[Any]:
     functions = expr.atoms(AppliedUndef)
-    candidates = sorted(functions or expr.free_symbols, key=str)
+    candidates = sorted(functions or expr.free_symbols, key=lambda x: natural(str(x)))
     if not candidates:
         raise ValueError(
             f"{what} is {expr}, a number: the joint variable must stand there, "
-            "q1 of moro.abc, say. A fixed row, of a tool say, is no joint: add its lengths to the "
-            "row before where the axes agree (a to a, d to d), or multiply robot.T by its matrix"
+            "q1 of moro.abc, say. A fixed row, of a tool say, is no joint: a robot.yaml, and "
+            "Robot.of({...}), have fixed links and a tool"
         )
-    if len(candidates) > 1:
+    if len(candidates) > 1 and not functions:
         names = ", ".join(map(str, candidates))
         raise ValueError(
             f"{what} is {expr}: which of {names} is the joint variable? "
             "Write it as a function of time (q1 of moro.abc), and the rest as plain symbols"
         )
-    (variable,) = candidates
-    if variable == t:
+    if candidates == [t]:
         raise ValueError(f"{what} is {expr}: t is time; the joint variable is q1 of moro.abc, say")
-    if functions and variable.args != (t,):
+    if any(q.args != (t,) for q in functions):
         raise ValueError(
             f"{what} is {expr}: a joint variable must be a function of time, the t of moro.abc "
             "(a plain Symbol('t')), and of nothing else"
         )
-    return variable
+    return candidates
 
 
 def _check_variables(rows: Sequence[Row]) -> None:
     owner: dict[Any, int] = {}
+    alone: dict[Any, int] = {}
     for i, row in enumerate(rows, 1):
-        if row.variable in owner:
+        ((variable, ratio), *others) = row.terms
+        if ratio == 1 and not others and alone.setdefault(variable, i) != i:
             raise ValueError(
-                f"rows {owner[row.variable]} and {i} have the same joint variable {row.variable}"
+                f"rows {alone[variable]} and {i} have the same joint variable {variable}; joints"
+                " that move together are links of Robot.of({...}), or of a robot.yaml"
             )
-        owner[row.variable] = i
+        for variable, _ in row.terms:
+            owner.setdefault(variable, i)
+    if lost := inseparable([dict(row.terms) for row in rows], [*owner]):
+        raise ValueError(
+            f"{' and '.join(map(str, lost))} move joints only together; they are too many by one at"
+            " least"
+        )
     for i, row in enumerate(rows, 1):
         for name in ("a", "alpha", "d", "theta"):
             constant = getattr(row, name)

@@ -53,7 +53,7 @@ def model_from_dh(name: str, arm: Arm, defaults: Mapping[Any, Any]) -> Model:
         tuple(_body(arm, i) for i in range(len(arm.rows))),
         (gx, gy, gz),
         tuple(Frame(str(i + 1), i, frame_in_link(arm, i)) for i in range(len(arm.rows))),
-        tuple(_coordinate(arm, i) for i in range(len(arm.rows))),
+        tuple(_coordinate(arm, j, q) for j, q in enumerate(arm.variables)),
         tuple(Parameter(s, x, where.get(str(s), "")) for s, x in defaults.items()),
         frozenset(field.name for field in fields(arm) if getattr(arm, field.name) is None),
         arm.convention,
@@ -67,6 +67,7 @@ def frame_in_link(arm: Arm, i: int) -> Placement:
 
 def _joint(arm: Arm, i: int) -> Joint:
     row = arm.rows[i]
+    index = {variable: j for j, variable in enumerate(arm.variables)}
     steps = [*_before(arm, i)]
     if row.type.is_angle:
         steps.append(Shift((_ZERO, _ZERO, row.d)))
@@ -77,18 +78,19 @@ def _joint(arm: Arm, i: int) -> Joint:
         i - 1,
         _by(*steps),
         row.theta if row.type.is_angle else row.d,
+        tuple((index[variable], ratio) for variable, ratio in row.terms),
     )
 
 
-def _coordinate(arm: Arm, i: int) -> Coordinate:
+def _coordinate(arm: Arm, j: int, variable: Any) -> Coordinate:
     rotors, viscous, coulomb = arm.rotor_inertias, arm.viscous_friction, arm.coulomb_friction
     drive = Drive(
-        rotors[i] if rotors else _ZERO,
-        viscous[i] if viscous else _ZERO,
-        coulomb[i] if coulomb else (_ZERO, _ZERO),
+        rotors[j] if rotors else _ZERO,
+        viscous[j] if viscous else _ZERO,
+        coulomb[j] if coulomb else (_ZERO, _ZERO),
     )
-    limits = arm.joint_limits[i] if arm.joint_limits else None
-    return Coordinate(arm.rows[i].variable, limits, drive)
+    limits = arm.joint_limits[j] if arm.joint_limits else None
+    return Coordinate(variable, limits, drive)
 
 
 def _before(arm: Arm, i: int) -> Iterator[Step]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from sympy import sympify
@@ -15,7 +15,7 @@ from moro.formats.source import Source
 from moro.formats.yaml.coordinates import Moved, moved
 from moro.formats.yaml.drives import driven
 from moro.formats.yaml.links import assembled
-from moro.formats.yaml.schema import Friction, Link, RobotFile
+from moro.formats.yaml.schema import Driven, Friction, Link, RobotFile
 from moro.model import JOINT_TYPES
 
 #: what a link of a bare chain says
@@ -34,12 +34,20 @@ def build(file: RobotFile, decimal: bool = False) -> Source:
     return _arm(file) if _is_bare(file, motions) else Assembled(assembled(file), decimal)
 
 
-def _is_bare(file: RobotFile, motions: Iterable[Moved | None]) -> bool:
-    """Whether all that is said has a place in rows of DH parameters."""
+def _is_bare(file: RobotFile, motions: Sequence[Moved | None]) -> bool:
+    """Whether all that is said has a place in rows of DH parameters.
+
+    There, joint variables are in the order in which rows have them, and no two rows move by one
+    alone.
+    """
+    moves = [x for x in motions if x is not None]
+    order = [k for x in moves for k in x.own]
+    alone = [x.terms for x in moves if x.terms[0][1] == 1 and len(x.terms) == 1]
     return (
         file.model_fields_set <= _OF_ARMS
-        and all(_has_place(link) for link in file.links)
-        and all(x is not None and x.terms == ((i, 1),) for i, x in enumerate(motions, start=1))
+        and all(map(_has_place, file.links))
+        and order == sorted(order)
+        and len(alone) == len({*alone})
     )
 
 
@@ -55,33 +63,38 @@ def _has_place(link: Link) -> bool:
 
 def _arm(file: RobotFile) -> Description:
     links, motions = file.links, moved(file)[0]
+    moves = [x for x in motions if x is not None]
+    # of each joint variable, the link that has it to itself
+    new = [(link, x.own) for link, x in zip(links, moves, strict=True)]
+    owners = [link if len(own) == 1 else None for link, own in new for _ in own]
     arm = Arm(
-        tuple(_row(link, x, i) for i, (link, x) in enumerate(zip(links, motions, strict=True), 1)),
+        tuple(_row(link, x) for link, x in zip(links, moves, strict=True)),
         file.convention,
         # one has it: all have mass, com and inertia
         _given(link.mass for link in links),
         _given(link.com for link in links),
         _given(link.inertia for link in links),
         file.gravity,
-        _drives(links, "rotor_inertia", "rotor_inertia", "motor_inertia"),
-        _drives(links, "viscous", "friction"),
-        _drives(links, "coulomb", "friction"),
-        _given(link.limits for link in links),
+        _drives(owners, "rotor_inertia", "rotor_inertia", "motor_inertia"),
+        _drives(owners, "viscous", "friction"),
+        _drives(owners, "coulomb", "friction"),
+        _given(link and link.limits for link in owners),
     )
     return Description.of(arm, file.name, file.parameters)
 
 
-def _row(link: Link, motion: Moved | None, i: int) -> Row:
-    offset = None if motion is None else motion.offset
-    theta, d = (link.theta, offset) if link.joint == "prismatic" else (offset, link.d)
-    return Row(link.a, link.alpha, d, theta, joint_variable(i), JOINT_TYPES[link.joint])
+def _row(link: Link, motion: Moved) -> Row:
+    slides = link.joint == "prismatic"
+    d, theta = (motion.offset, link.theta) if slides else (link.d, motion.offset)
+    terms = tuple((joint_variable(k), ratio) for k, ratio in motion.terms)
+    return Row(link.a, link.alpha, d, theta, terms, JOINT_TYPES[link.joint])
 
 
-def _drives(links: Iterable[Link], name: str, *fields: str) -> tuple[Any, ...] | None:
+def _drives(links: Sequence[Link | None], name: str, *fields: str) -> tuple[Any, ...] | None:
     """Return a quantity of all drives; None where no link has one of the ``fields``."""
-    if not any(getattr(link, field) is not None for link in links for field in fields):
+    if not any(getattr(link, field) is not None for link in links if link for field in fields):
         return None
-    return tuple(_exact(getattr(driven(link).drive, name)) for link in links)
+    return tuple(_exact(getattr(driven(link or Driven()).drive, name)) for link in links)
 
 
 def _exact(x: Any) -> Any:
