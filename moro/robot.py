@@ -66,10 +66,10 @@ class Robot(Mechanics):
 
     A row is ``(a, alpha, d, theta)`` or ``(a, alpha, d, theta, "r" | "p")``: link length [m], link
     twist [rad], link offset [m], joint angle [rad]. The joint variable stands in ``theta`` of a
-    revolute joint and in ``d`` of a prismatic one, possibly plus a constant: ``q1 + pi/2``; or a sum
-    of several, ``-q2 - q3``. Entries are numbers or SymPy expressions, in any mixture. ``convention`` is "dh" (standard or distal,
-    T_i = Rz(theta) Tz(d) Tx(a) Rx(alpha)) or "mdh" (modified or proximal, Rx(alpha) Tx(a) Rz(theta)
-    Tz(d), with a and alpha of the link before).
+    revolute joint and in ``d`` of a prismatic one, possibly plus a constant, ``q1 + pi/2``, or in a
+    sum with others, ``-q2 - q3``. Entries are numbers or SymPy expressions, in any mixture.
+    ``convention`` is "dh" (standard or distal, T_i = Rz(theta) Tz(d) Tx(a) Rx(alpha)) or "mdh"
+    (modified or proximal, Rx(alpha) Tx(a) Rz(theta) Tz(d), with a and alpha of the link before).
 
     Joints and links are counted from 1, frames from 0 (the base). A subscript i0 means: frame i
     expressed in frame 0. Results are exact SymPy objects in their shortest common form; a float
