@@ -159,7 +159,8 @@ def _arrays(signature: Signature, given: Sequence[Any], parameters: Any) -> list
         *given, parameters = given
     if len(given) != len(names):
         raise TypeError(f"{signature.name} takes {', '.join(names)}: {len(given)} were given")
-    if signature.dtype == "float64" and not jax.config.jax_enable_x64:
+    config: Any = jax.config  # which has no types
+    if signature.dtype == "float64" and not config.jax_enable_x64:
         raise TypeError(
             f"{signature.name} computes in double precision: "
             'jax.config.update("jax_enable_x64", True), or compile the kernel with dtype="float32"'
