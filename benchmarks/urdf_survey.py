@@ -32,7 +32,7 @@ from moro.algorithms.coordinates import displacements
 from moro.algorithms.kinematics import frame_jacobian, poses
 from moro.algorithms.posture import posture, with_frame
 
-FUNCTIONS = ("tau", "bias", "inertia_matrix", "forward_dynamics")
+FUNCTIONS = ("tau", "bias", "inertia_matrix", "forward_kinematics", "jacobian")
 STATES = 8
 STOPWATCH = """
 #include <time.h>
@@ -148,7 +148,7 @@ def surveyed(path: Path, as_written: bool) -> Line:
     made = time.process_time() - start
     peer = Peer(path, robot.joint_names)
     with tempfile.TemporaryDirectory() as folder:
-        kernel = mc.compile(robot, functions=FUNCTIONS, directory=folder)
+        kernel = mc.compile(robot, functions=(*FUNCTIONS, *dynamics(robot)), directory=folder)
         errors = compared(robot, kernel, peer)
         only = mc.compile(robot, directory=folder)
         ops = only.ops["tau"]
@@ -163,6 +163,15 @@ def surveyed(path: Path, as_written: bool) -> Line:
             only.timings["compile"],
             nanoseconds(only),
         )
+
+
+def dynamics(robot: Any) -> tuple[str, ...]:
+    """Return the function forward_dynamics, unless M of the robot is singular everywhere."""
+    try:
+        mc.generate(robot, ("forward_dynamics",))
+    except ValueError:
+        return ()
+    return ("forward_dynamics",)
 
 
 class Peer:
@@ -269,10 +278,15 @@ def compared(robot: Any, kernel: Any, peer: Peer) -> dict[str, float]:
         compare("tau", kernel.tau(q, qd, qdd), tau)
         compare("bias", kernel.bias(q, qd), bias, np.max(np.abs(tau)))
         compare("M", kernel.inertia_matrix(q), M)
-        if np.linalg.cond(M) < 1e12:  # what tau - bias takes with the accelerations found
+        if (
+            "forward_dynamics" in kernel.ops and np.linalg.cond(M) < 1e12
+        ):  # what tau - bias takes with the accelerations found
             found = kernel.forward_dynamics(q, qd, tau)
             size = np.max(np.abs(M) @ np.abs(found)) + np.max(np.abs(bias))
             compare("forward dynamics", M @ found + bias, tau, size)
+        tip_T, tip_J = peer.frames(q)[robot.frames[-1]]
+        compare("poses", kernel.forward_kinematics(q), tip_T)
+        compare("Jacobians", kernel.jacobian(q), tip_J)
         if state < 2:
             for name, (T, J) in peer.frames(q).items():
                 own_T, own_J = frame(model, name, q)

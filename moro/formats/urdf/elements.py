@@ -18,6 +18,8 @@ _ZERO, _ONE = sp.Integer(0), sp.Integer(1)
 _X: Vector = (_ONE, _ZERO, _ZERO)
 _NOWHERE: Vector = (_ZERO, _ZERO, _ZERO)
 _FREE = Drive()
+#: the square of a radius of gyration that is none, a micrometre [m^2]
+_SPECK = sp.Rational("1e-12")
 
 #: the types of joints that move by one coordinate
 MOTIONS: dict[str, JointType] = {
@@ -123,7 +125,8 @@ def _inertial(link: Element, of: str, reading: Reading) -> Inertial | None:
         return None
     reading.passes_over(element, of, _OF_INERTIAL)
     origin = _origin(element, of, reading)
-    mass, inertia = _mass(element, of, reading), _inertia(element, of, reading)
+    mass = _mass(element, of, reading)
+    inertia = _inertia(element, of, reading, (mass or _ZERO) * _SPECK)
     if mass is None or inertia is None:
         return None
     return Inertial(mass, inertia, origin)
@@ -131,22 +134,23 @@ def _inertial(link: Element, of: str, reading: Reading) -> Inertial | None:
 
 def _mass(inertial: Element, of: str, reading: Reading) -> Any | None:
     element = reading.needed(inertial, "mass", of)
-    return None if element is None else reading.not_negative(element, "value", of)
+    return None if element is None else reading.number(element, "value", of, least=_ZERO)
 
 
-def _inertia(inertial: Element, of: str, reading: Reading) -> Matrix | None:
+def _inertia(inertial: Element, of: str, reading: Reading, none: Any) -> Matrix | None:
+    """Return the tensor; moments up to ``none`` may be negative, as CAD programs round zeros."""
     element = reading.needed(inertial, "inertia", of)
     if element is None:
         return None
     entries: list[Any] = []
     for key in _TENSOR:
-        read = reading.not_negative if key[1] == key[2] else reading.number
-        entries.append(read(element, key, of))
+        least = -none if key[1] == key[2] else None
+        entries.append(reading.number(element, key, of, least=least))
     if any(x is None for x in entries):
         return None
     xx, xy, xz, yy, yz, zz = entries
     I: Matrix = (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
-    if found := unphysical(I):
+    if max(map(abs, entries)) > none and (found := unphysical(I)):
         reading.remark(element, "", of, found)
     return I
 
@@ -212,8 +216,8 @@ def _drive(joint: Element, of: str, reading: Reading) -> Drive:
     if element is None:
         return _FREE
     reading.knows(element, of, ("damping", "friction"))
-    damping = reading.not_negative(element, "damping", of, _ZERO) or _ZERO
-    friction = reading.not_negative(element, "friction", of, _ZERO) or _ZERO
+    damping = reading.number(element, "damping", of, _ZERO, least=_ZERO) or _ZERO
+    friction = reading.number(element, "friction", of, _ZERO, least=_ZERO) or _ZERO
     return Drive(viscous=damping, coulomb=(friction, friction))
 
 

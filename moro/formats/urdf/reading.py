@@ -92,23 +92,20 @@ class Reading:
         near = meant.nearest(key, (x for x in element.attributes if x not in _KEYS))
         self.problem(element, key, of, "is missing" + (f"; there is `{near}`" if near else ""))
 
-    def number(self, element: Element, key: str, of: str, default: Any = None) -> Any | None:
-        """Return a number, or the default where there is none."""
+    def number(
+        self, element: Element, key: str, of: str, default: Any = None, *, least: Any = None
+    ) -> Any | None:
+        """Return a number, not below ``least``, or the default where there is none."""
         text = element.attributes.get(key)
         if text is None:
             if default is None:
                 self.missing(element, key, of)
             return default
         found = self._found(values.number(text), element, key, of)
-        return None if found is None else found.value
-
-    def not_negative(self, element: Element, key: str, of: str, default: Any = None) -> Any | None:
-        """Return a number that is not negative."""
-        x = self.number(element, key, of, default)
-        if x is not None and x < 0:
-            self.problem(element, key, of, f"must not be negative, not {short(x)}")
+        if found is not None and least is not None and found.value < least:
+            self.problem(element, key, of, f"must not be negative, not {short(found.value)}")
             return None
-        return x
+        return None if found is None else found.value
 
     def vector(self, element: Element, key: str, of: str) -> list[values.Number] | None:
         """Return three decimals; zeros where there are none."""

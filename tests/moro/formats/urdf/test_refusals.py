@@ -128,6 +128,11 @@ def test_what_was_probably_not_meant(tmp_path, elements, message):
     assert [f"robot.urdf:{message}" in str(each.message) for each in warned] == [True]
 
 
+def test_zeros_that_cad_programs_round_are_no_negative_moments(tmp_path):
+    inertia = INERTIA.replace('="1"', '="-5.4e-20"')
+    read(written(tmp_path, robot(A, link("b", body(0.5, inertia=inertia)), AB)))
+
+
 def test_many_remarks_are_counted(tmp_path):
     many = [link(f"l{i}", "<inertail/>") for i in range(30)]
     joints = [joint(f"j{i}", "a", f"l{i}") for i in range(30)]
