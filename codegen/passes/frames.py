@@ -4,6 +4,8 @@ The torques depend neither on the frames chosen in the links, as long as the axi
 frame's z axis, nor on the unit of length. What is chosen here:
 
 - where on its axis a frame has its origin: on the common normal with the axis of its parent;
+- which way its x axis points: along the common normal with the axis that comes next, so that it is
+  turned by Rx alone, as in DH parameters; the rest is added to the joints' angles;
 - the unit of length: the commonest distance between frames becomes 1;
 - how a frame is turned about its axis. At an instant, one may fix a frame in the link that has the
   axes of the parent's frame, whatever the joint's angle is. Then no vector needs turning between
@@ -14,22 +16,133 @@ frame's z axis, nor on the unit of length. What is chosen here:
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
+from itertools import chain
 
 from moro.algorithms.posture import PosedLink, Posture
+from moro.spatial.angles import rational_sincos
 from moro.spatial.moments import Moments
 from moro.spatial.transform import about_z
-from moro.spatial.vectors import Scalar, add, scaled, transpose
+from moro.spatial.vectors import Matrix, Scalar, Vector, add, product, scaled, transpose
 from moro_codegen.graph.nodes import Constant, constant_value
 
 #: below this sine squared of the angle between two axes, their common normal is too far away
 NEARLY_PARALLEL = 1e-3
+#: angles below this are rounding [rad]
+_NOTHING = 1e-15
+
+
+def along_common_normals(arm: Posture) -> Posture:
+    """Return the arm with frames of which the next is placed by Rx alone, or else by Rz Rx.
+
+    R = Rz(a) Rx(b) Rz(c) of a link that turns: c is added to its own angle, and a to that of the
+    link that it hangs on, if that turns too and no child before asked for something else. Quarter
+    turns, which cost nothing, stay where they are, and so does what holds parameters.
+    """
+    links, shifts = list(arm.links), [0.0] * len(arm.links)
+    for i, children in enumerate(arm.children):
+        asking = next((k for k in children if _asks(links[k])), None)
+        if asking is not None and _may_turn(links[i], [links[k] for k in children]):
+            a, b, c = _turns(links[asking].R)
+            quarter = _quarters(a) * (math.pi / 2)
+            shifts[i] = a - quarter
+            sin, cos = rational_sincos(-shifts[i])
+            links[i] = replace(links[i], body=_turned(links[i].body, sin, cos))
+            for k in children:
+                R = product(_about_z(sin, cos), links[k].R)
+                links[k] = replace(links[k], R=R, p=_turned_vector(links[k].p, sin, cos))
+            links[asking] = replace(links[asking], R=_rotation(quarter, b, c))
+    for i, link in enumerate(links):
+        if _may_shift(link) and (shift := _rest((turns := _turns(link.R))[2])):
+            links[i] = replace(link, R=_rotation(*turns[:2], turns[2] - shift))
+            shifts[i] += shift
+        if shifts[i]:
+            links[i] = _shifted(links[i], shifts[i])
+    return replace(arm, links=tuple(links))
+
+
+def _asks(link: PosedLink) -> bool:
+    """Return whether the frame that a link hangs on had better be turned about its axis."""
+    return _is_constant(*link.R) and _rest(_turns(link.R)[0]) != 0
+
+
+def _may_turn(link: PosedLink, children: Iterable[PosedLink]) -> bool:
+    """Return whether a frame can be turned about its axis: if that costs nothing at run time."""
+    carried = (x for child in children for x in (*child.R, child.p))
+    return _may_shift(link) and _is_constant(link.body.h, *link.body.S, *carried)
+
+
+def _may_shift(link: PosedLink) -> bool:
+    return link.type.fixes_axis and constant_value(link.position) is None and _is_constant(*link.R)
+
+
+def _is_constant(*vectors: Iterable[Scalar]) -> bool:
+    return None not in map(constant_value, chain.from_iterable(vectors))
+
+
+def _turns(R: Matrix) -> tuple[float, float, float]:
+    """Return a, b and c of R = Rz(a) Rx(b) Rz(c); a is 0 if b is 0 or half a turn."""
+    rows = [[float(constant_value(x) or 0) for x in row] for row in R]
+    x, y, z = (row[2] for row in rows)
+    sine = math.hypot(x, y)
+    a = math.atan2(x, -y) if sine > _NOTHING else 0.0
+    u, v = (math.cos(a) * rows[0][k] + math.sin(a) * rows[1][k] for k in (0, 1))
+    return a, math.atan2(sine, z), math.atan2(-v, u)
+
+
+def _rotation(a: float, b: float, c: float) -> Matrix:
+    """Return Rz(a) Rx(b) Rz(c)."""
+    (sa, ca), (sb, cb), (sc, cc) = map(_sincos, (a, b, c))
+    tilt: Matrix = (1, 0, 0), (0, cb, -sb), (0, sb, cb)
+    return product(_about_z(sa, ca), product(tilt, _about_z(sc, cc)))
+
+
+def _sincos(angle: float) -> tuple[Scalar, Scalar]:
+    """Return sine and cosine in fractions, those of quarter turns exactly."""
+    s, c = rational_sincos(_rest(angle))
+    for _ in range(_quarters(angle) % 4):
+        s, c = c, -s
+    return s, c
+
+
+def _quarters(angle: float) -> int:
+    return round(angle / (math.pi / 2))
+
+
+def _rest(angle: float) -> float:
+    """Return an angle less the quarter turns in it, 0 where nothing but rounding is left."""
+    rest = angle - _quarters(angle) * (math.pi / 2)
+    return rest if abs(rest) > _NOTHING else 0.0
+
+
+def _about_z(sin: Scalar, cos: Scalar) -> Matrix:
+    return (cos, -sin, 0), (sin, cos, 0), (0, 0, 1)
+
+
+def _shifted(link: PosedLink, by: float) -> PosedLink:
+    """Return a link that turns by so much more."""
+    graph, known = link.position.graph, link.position
+    if known.op == "add" and (constants := [x for x in known.args if x.op == "const"]):
+        known = next(x for x in known.args if x.op != "const")
+        by += float(constants[0].value)
+    angle = known + by if abs(by) > _NOTHING else known
+    return replace(link, position=angle, sin=graph.sin(angle), cos=graph.cos(angle))
 
 
 def common_normals(arm: Posture) -> Iterator[Posture]:
-    """Yield the arm with frames on common normals: those that constants lead to, then all."""
+    """Yield the arm with frames on common normals: those that constants lead to, then all.
+
+    First as they are turned, then with x axes along the normals, if that changes anything.
+    """
+    yield from _on_normals(arm)
+    if (turned := along_common_normals(arm)) != arm:
+        yield from _on_normals(turned)
+
+
+def _on_normals(arm: Posture) -> Iterator[Posture]:
     moved = on_common_normals(arm)
     yield moved
     if has_parameters(arm) and (further := on_common_normals(arm, parameters=True)) != moved:
@@ -147,8 +260,7 @@ def unturned(arm: Posture, turned: Collection[int]) -> Posture:
             for k in children:
                 child = links[k]
                 angle = child.position + _parallel_sense(child) * link.position
-                x, y, z = child.p
-                p = cos * x - sin * y, sin * x + cos * y, z
+                p = _turned_vector(child.p, sin, cos)
                 pair = angle.graph.sin(angle), angle.graph.cos(angle)
                 links[k] = replace(child, p=p, position=angle, sin=pair[0], cos=pair[1])
     return replace(arm, links=tuple(links))
@@ -156,9 +268,12 @@ def unturned(arm: Posture, turned: Collection[int]) -> Posture:
 
 def _turned(body: Moments, sin: Scalar, cos: Scalar) -> Moments:
     """Return the moments after turning the body about z."""
-    x, y, z = body.h
-    h = cos * x - sin * y, sin * x + cos * y, z
-    return Moments(body.m, h, about_z(body.S, sin, cos))
+    return Moments(body.m, _turned_vector(body.h, sin, cos), about_z(body.S, sin, cos))
+
+
+def _turned_vector(v: Vector, sin: Scalar, cos: Scalar) -> Vector:
+    x, y, z = v
+    return cos * x - sin * y, sin * x + cos * y, z
 
 
 def has_parameters(arm: Posture) -> bool:

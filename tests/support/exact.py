@@ -10,6 +10,7 @@ from fractions import Fraction
 import numpy as np
 
 from moro.model import PRISMATIC, REVOLUTE, Body, Frame, Joint, Model, Placement
+from moro.spatial.angles import rational_sincos
 from moro_codegen.graph.nodes import schedule
 
 
@@ -177,6 +178,8 @@ def exact_values(results, inputs, sincos=()):
 
     def turn(angle):
         """Sine and cosine of an angle, as a complex number's parts."""
+        if angle.op == "const":
+            return rational_sincos(angle.value)
         if angle.op == "input":
             return sincos[angle.value[1]]
         (s1, c1), (s2, c2) = map(turn, angle.args)

@@ -7,7 +7,6 @@ tangent of the half angle, so that the matrix is orthogonal exactly, and the ang
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import groupby
@@ -17,13 +16,12 @@ import sympy as sp
 
 from moro.model import Placement, Rotation, Shift, Turn
 from moro.model.placement import Step
+from moro.spatial.angles import rational_sincos
 from moro.spatial.vectors import Matrix, Vector, add, product, times, transpose
 
 _ZERO, _ONE = sp.Integer(0), sp.Integer(1)
 _QUARTER = sp.pi / 2
 _EYE: Matrix = ((_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE))
-#: of tan(angle / 2)
-_TOLERANCE = Fraction(1, 10**17)
 
 
 # -- what is given --------------------------------------------------------------------------------
@@ -176,10 +174,15 @@ def _rotation(step: Turn | Rotation) -> Turn | Rotation:
     """Return a turn by a number, unless by quarters, as an orthogonal matrix of rational ones."""
     if isinstance(step, Rotation) or _is_quarter(step):
         return step
-    s, c = _sincos(step.angle)
+    s, c = (sp.Rational(x.numerator, x.denominator) for x in rational_sincos(_fraction(step.angle)))
     if step.axis == "x":
         return Rotation(((_ONE, _ZERO, _ZERO), (_ZERO, c, -s), (_ZERO, s, c)))
     return Rotation(((c, -s, _ZERO), (s, c, _ZERO), (_ZERO, _ZERO, _ONE)))
+
+
+def _fraction(angle: Any) -> Fraction:
+    """Return a number as a fraction, exactly if it is one."""
+    return Fraction(str(angle if angle.is_Rational else angle.evalf(30)))
 
 
 def settled(x: Any) -> Any:
@@ -198,23 +201,6 @@ def settled_matrix(rows: Iterable[Iterable[Any]]) -> Matrix:
     """Return a matrix of settled entries."""
     x, y, z = map(settled_vector, rows)
     return x, y, z
-
-
-def _sincos(angle: Any) -> tuple[Any, Any]:
-    """Return sine and cosine in rational numbers, s^2 + c^2 = 1 exactly.
-
-    With t = tan(angle / 2), s = 2 t / (1 + t^2), c = (1 - t^2) / (1 + t^2).
-    """
-    exact = Fraction(math.tan(math.remainder(float(angle), 2 * math.pi) / 2))
-    if abs(exact) > 1:  # from the other side, where the tangent is small
-        s, c = _sincos(angle - sp.pi)
-        return -s, -c
-    limit = 10**8
-    while abs((t := exact.limit_denominator(limit)) - exact) > _TOLERANCE:
-        limit *= 8
-    p, q = t.numerator, t.denominator
-    norm = p * p + q * q
-    return sp.Rational(2 * p * q, norm), sp.Rational(q * q - p * p, norm)
 
 
 def _is_quarter(step: Step) -> bool:

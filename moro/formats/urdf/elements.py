@@ -148,7 +148,7 @@ def _inertia(inertial: Element, of: str, reading: Reading, none: Any) -> Matrix 
         entries.append(reading.number(element, key, of, least=least))
     if any(x is None for x in entries):
         return None
-    xx, xy, xz, yy, yz, zz = entries
+    xx, xy, xz, yy, yz, zz = reading.entries(entries)
     I: Matrix = (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
     if max(map(abs, entries)) > none and (found := unphysical(I)):
         reading.remark(element, "", of, found)
@@ -245,6 +245,6 @@ def _origin(element: Element, of: str, reading: Reading) -> Origin:
     shift, angles = (reading.vector(origin, key, of) for key in ("xyz", "rpy"))
     if shift is None or angles is None:
         return Origin()
-    x, y, z = (each.value for each in shift)
+    x, y, z = map(reading.length, shift)
     roll, pitch, yaw = map(reading.angle, angles)
     return Origin((x, y, z), (roll, pitch, yaw))

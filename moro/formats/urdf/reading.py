@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -111,6 +111,22 @@ class Reading:
         """Return three decimals; zeros where there are none."""
         text = element.attributes.get(key, "0 0 0")
         return self._found(values.numbers(text, 3), element, key, of)
+
+    def length(self, x: values.Number) -> Any:
+        """Return a length; what computing has left of a zero is 0."""
+        exact, is_said = (x.value, False) if self.as_written else values.meant_zero(x.value)
+        if is_said:
+            self.meant[x.text] = "0"
+        return exact
+
+    def entries(self, numbers: Sequence[Any]) -> list[Any]:
+        """Return the entries of a tensor; what is nothing beside the largest is 0."""
+        largest = max(map(abs, numbers))
+        meant = [values.meant_zero(x, largest) for x in numbers]
+        if self.as_written or not any(is_said for _, is_said in meant):
+            return [*numbers]
+        self.meant["entries of tensors below 1e-10 of the largest"] = "0"
+        return [exact for exact, _ in meant]
 
     def angle(self, x: values.Number) -> Any:
         """Return the angle that a decimal means."""

@@ -1,8 +1,9 @@
 """Numbers and vectors in attributes, exact; angles and directions that decimals mean.
 
 A decimal that is k pi/4 or k pi/6 to its last digit (1.5708, 1.57079632679, 0.7854) means that
-angle, and so does one that is the angle in single precision. Directions likewise: what is below
-the rounding of doubles, 6.12e-17 beside 1, is 0, and 0.8660 0.5 0 is at 30 degrees.
+angle, and so does one that is the angle in single precision. Directions likewise: 0.8660 0.5 0 is
+at 30 degrees. What computing leaves of a zero, 6.12e-17 or 4.9e-12, is one: angles, lengths and
+components of directions below 1e-10, and entries of a tensor below 1e-10 of the largest.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ _DECIMAL = re.compile(
 )
 #: characters of a number
 _LONGEST = 100
-#: of doubles, and what computing with them leaves of a zero; beside 1
-_ROUNDING, _NOISE = sp.Rational(1, 2**52), sp.Rational("1e-15")
+#: of doubles, and what computing with them leaves of a zero
+_ROUNDING, _NOISE = sp.Rational(1, 2**52), sp.Rational("1e-10")
 #: decimals that tell a quarter turn, and those that tell k pi/4 or k pi/6
 _FEWEST = {True: 2, False: 4}
 #: decimals that tell a number in single precision, and a cosine
@@ -92,9 +93,16 @@ def angle(x: Number, as_written: bool = False) -> tuple[Any, bool]:
     exact = _PI * twelfths / 12
     if abs(x.value - exact) <= _ROUNDING * max(abs(exact), 1):
         return twelfths * sp.pi / 12, False
+    if not as_written and twelfths == 0:
+        return meant_zero(x.value)
     if not as_written and x.digits >= _FEWEST[twelfths % 6 == 0] and _ends_as(x, exact, twelfths):
         return twelfths * sp.pi / 12, True
     return x.value, False
+
+
+def meant_zero(x: Any, beside: Any = 1) -> tuple[Any, bool]:
+    """Return 0 for what is nothing beside another value, and whether that is to be said."""
+    return (sp.Integer(0), True) if 0 < abs(x) < _NOISE * beside else (x, False)
 
 
 def _ends_as(x: Number, exact: Any, twelfths: int) -> bool:
@@ -126,14 +134,14 @@ _COSINES = (sp.Integer(0), _HALF, sp.sqrt(2) / 2, sp.sqrt(3) / 2, sp.Integer(1))
 def direction(components: Sequence[Number], as_written: bool = False) -> tuple[list[Any], bool]:
     """Return the direction that three decimals mean, of any length, and whether that is to be said.
 
-    Unless ``as_written``, what is below 1e-15 of the largest is 0, and three that are 0, 1/2,
+    Unless ``as_written``, what is below 1e-10 of the largest is 0, and three that are 0, 1/2,
     sqrt(2)/2, sqrt(3)/2 or 1 to their last digits are these, if they make up a unit vector.
     """
     values = [x.value for x in components]
     if as_written:
         return values, False
     largest = max(map(abs, values))
-    meant = [x if abs(x) > _NOISE * largest else sp.Integer(0) for x in values]
+    meant = [meant_zero(x, largest)[0] for x in values]
     cosines = [_cosine(x) for x in components]
     if all(x is not None for x in cosines) and sum(x**2 for x in cosines if x) == 1:
         return cosines, any(_crossed(cosines, values))

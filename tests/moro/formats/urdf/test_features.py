@@ -83,6 +83,22 @@ def test_angles_as_they_are_written(load):
     assert "1.5708" not in str(written_so.model_summary())
 
 
+def test_what_computing_left_of_zeros(load):
+    tensor = '<inertia ixx="1" ixy="1e-14" ixz="0" iyy="1" iyz="0" izz="1"/>'
+    elements = (
+        link("base"),
+        joint("a", "base", "arm", origin("1e-17 0.5 0", "0 2e-13 0") + axis("0 0 1")),
+        link("arm", body(1, "0 -3e-16 0", inertia=tensor)),
+    )
+    arm = load(*elements)
+    assert list(arm.r_o("arm")) == [0, sp.Float(0.5), 0]
+    assert arm.cm_positions == [sp.zeros(3, 1)]
+    assert arm.inertia_tensors == [sp.eye(3)]
+    said = str(arm.model_summary())
+    assert all(f"{text} as 0" in said for text in ("1e-17", "2e-13", "-3e-16", "of the largest"))
+    assert load(*elements, as_written=True).inertia_tensors[0][0, 1] == R("1e-14")
+
+
 def test_bodies_in_turned_frames(load):
     """diag(1, 2, 3) turned by 90 degrees about z is diag(2, 1, 3)."""
     tensor = '<inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="3"/>'

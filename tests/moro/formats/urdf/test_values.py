@@ -67,6 +67,7 @@ def test_vectors():
         ("-1.5707963705062866", -pi / 2),  # in single precision
         ("1.57079637", pi / 2),
         ("15.708e-1", pi / 2),
+        ("-4.89659e-12", 0),
     ],
 )
 def test_decimals_that_mean_an_angle(text, value):
@@ -99,7 +100,8 @@ def test_decimals_that_mean_themselves(text):
         ("1 2 3", (1, 2, 3), False),
         ("0.6 0 0.8", (R(3, 5), 0, R(4, 5)), False),
         ("0 0 0.8660254", (0, 0, R("0.8660254")), False),
-        ("0 1e-14 1", (0, R("1e-14"), 1), False),
+        ("0 4.89659e-12 1", (0, 0, 1), True),
+        ("0 1e-9 1", (0, R("1e-9"), 1), False),
     ],
 )
 def test_directions(text, meant, is_said):
