@@ -129,17 +129,20 @@ class _Fixed(click.ParamType):  # type: ignore[type-arg]
     help="What to generate, as listed below, with commas in between; a+b are two in one call, "
     "jacobian@camera is of the frame called camera.",
 )
-@click.option("--root", help="Of a URDF: the link that stands still, at the base.")
+@click.option(
+    "--root",
+    help="The link that stands still, at the base; of a URDF, say, whose links have names.",
+)
 @click.option(
     "--tip",
     multiple=True,
-    help="Of a URDF: the link at which the robot ends; may be given several times.",
+    help="The link at which the robot ends; may be given several times.",
 )
 @click.option(
     "--fix",
     type=_Fixed(),
     multiple=True,
-    help="Of a URDF: a joint that stands still, and where [rad or m]; may be given several times.",
+    help="A joint that stands still, and where [rad or m]; may be given several times.",
 )
 @click.option(
     "--as-written",

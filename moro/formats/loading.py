@@ -13,6 +13,7 @@ from moro.formats.errors import Problem, RobotFileError, RobotFileWarning, neare
 from moro.formats.recognition import is_urdf
 
 if TYPE_CHECKING:
+    from moro.formats.assembly import Assembly
     from moro.formats.source import Source
     from moro.formats.yaml.schema import RobotFile
 
@@ -38,35 +39,51 @@ def description(
     as_written: bool = False,
 ) -> Source:
     """Return what a file describes: what ``moro.load`` makes a Robot of, with its arguments."""
-    path = locate(source)
+    path, part = locate(source), {"root": root, "tip": tip, "fix": fix}
     if is_urdf(path):
-        return _urdf(path, root, tip, fix or {}, as_written)
-    for name, value in {"root": root, "tip": tip, "fix": fix, "as_written": as_written}.items():
-        if value:
-            raise ValueError(f"{name} is for a URDF: {source} is none")
+        return _urdf(path, as_written, **part)
+    if as_written:
+        raise ValueError(f"as_written is for a URDF: {source} is none")
     file = read(source)
     from moro.formats.yaml.build import build  # after what may refuse the file without SymPy
 
-    return build(file)
+    return _part(build(file), **part) if any(part.values()) else build(file)
 
 
-def _urdf(
-    path: Path,
-    root: str | None,
-    tip: str | Sequence[str] | None,
-    fix: Mapping[str, Any],
-    as_written: bool,
-) -> Source:
+def _urdf(path: Path, as_written: bool, **part: Any) -> Source:
     from moro.formats.urdf import reader
 
     assembly = reader.read(path, as_written=as_written)
-    from moro.checks.values import angle
-    from moro.formats.assembled import Assembled
+    from moro.formats.assembled import Assembled  # after what may refuse the file without SymPy
     from moro.formats.urdf.build import notes
 
-    values = {name: angle(x, f"fix of {name}") for name, x in fix.items()}
-    part = assembly.fixed(values).part(root, tip)
-    return Assembled(replace(part, notes=(*notes(part), *part.notes)), decimal=True)
+    meant = _meant(assembly, **part)
+    return Assembled(replace(meant, notes=(*notes(meant), *meant.notes)), decimal=True)
+
+
+def _part(described: Source, **part: Any) -> Source:
+    """Return the part that is meant of what a robot.yaml describes."""
+    from moro.formats.assembled import Assembled
+
+    if not isinstance(described, Assembled):
+        asked = " and ".join(name for name, value in part.items() if value)
+        raise ValueError(
+            f"{asked} of {described.name}: its links are rows of DH parameters alone, without names"
+        )
+    return Assembled(_meant(described.assembly, **part), described.decimal)
+
+
+def _meant(
+    assembly: Assembly,
+    root: str | None,
+    tip: str | Sequence[str] | None,
+    fix: Mapping[str, Any] | None,
+) -> Assembly:
+    """Return the links between root and tip, with joints that stand still."""
+    from moro.checks.values import angle
+
+    values = {name: angle(x, f"fix of {name}") for name, x in (fix or {}).items()}
+    return assembly.fixed(values).part(root, tip)
 
 
 def given(fields: Mapping[str, Any]) -> Source:

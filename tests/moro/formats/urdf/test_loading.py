@@ -72,10 +72,29 @@ def test_a_joint_cannot_stand_beyond_its_limits_unsaid(leg):
         mr.load(leg, fix={"hip": 3})
 
 
-@pytest.mark.parametrize("how", [{"root": "x"}, {"tip": "x"}, {"fix": {"x": 1}}, {"as_written": 1}])
-def test_what_a_robot_yaml_has_not(how):
-    with pytest.raises(ValueError, match=r"(root|tip|fix|as_written) is for a URDF: puma560"):
-        mr.load("puma560", **how)
+def test_rows_have_no_parts():
+    for how in ({"root": "1"}, {"tip": "x"}, {"fix": {"x": 1}}):
+        with pytest.raises(
+            ValueError, match=r"(root|tip|fix) of puma560: its links are rows of DH"
+        ):
+            mr.load("puma560", **how)
+    with pytest.raises(ValueError, match="as_written is for a URDF: puma560 is none"):
+        mr.load("puma560", as_written=True)
+
+
+def test_parts_of_a_robot_yaml(tmp_path):
+    path = tmp_path / "arms.yaml"
+    path.write_text(
+        "links:\n"
+        "  - {name: trunk, joint: revolute, axis: z, mass: 3, com: [0, 0, 0], inertia: [1, 1, 1]}\n"
+        "  - {name: left, parent: trunk, joint: revolute, axis: y, mass: 2, com: [0, 0, 0],"
+        " inertia: [1, 1, 1]}\n"
+        "  - {name: right, parent: trunk, joint: revolute, axis: y, mass: 1, com: [0, 0, 0],"
+        " inertia: [1, 1, 1]}\n"
+    )
+    whole, part = mr.load(path), mr.load(path, tip="left")
+    assert (whole.dof, part.dof) == (3, 2)
+    assert part.masses == [3, 2]
 
 
 @pytest.mark.parametrize("name", ["leg.xml", "leg.txt", "leg"])
