@@ -17,7 +17,6 @@ import subprocess
 import tempfile
 import time
 import warnings
-import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +30,7 @@ import moro_codegen as mc
 from moro.algorithms.coordinates import displacements
 from moro.algorithms.kinematics import frame_jacobian, poses
 from moro.algorithms.posture import posture, with_frame
+from moro.formats.urdf.document import parse
 
 FUNCTIONS = ("tau", "bias", "inertia_matrix", "forward_kinematics", "jacobian")
 STATES = 8
@@ -186,25 +186,28 @@ class Peer:
 
     def _coordinates(self, path: Path, names: Sequence[str]) -> tuple[Any, ...]:
         """Return A and b of x = A q + b for Pinocchio's velocities, and their friction."""
-        elements = {x.get("name"): x for x in ET.parse(path).getroot().findall("joint")}  # noqa: S314
+        elements = {x.attributes["name"]: x for x in parse(path.read_bytes()).all("joint")}
+
+        def of(joint: str, tag: str) -> dict[str, str] | None:
+            return next((x.attributes for x in elements[joint].all(tag)), None)
+
         n = self.model.nv
         A, b, damping, friction = np.zeros((n, len(names))), np.zeros(n), np.zeros(n), np.zeros(n)
         for k, name in enumerate(self.model.names):
             if k == 0:
                 continue
             i, nv = self.model.joints[k].idx_v, self.model.joints[k].nv
-            dynamics = elements[name].find("dynamics")
             for key, to in (("damping", damping), ("friction", friction)):
-                to[i : i + nv] = 0 if dynamics is None else float(dynamics.get(key, 0))
+                to[i : i + nv] = float((of(name, "dynamics") or {}).get(key, 0))
             if nv == 3:
                 for j, x in enumerate(("x", "y", "theta")):
                     A[i + j, names.index(f"{name}_{x}")] = 1
                 continue
             ratio, offset, at = 1.0, 0.0, name
-            while (mimic := elements[at].find("mimic")) is not None:
+            while (mimic := of(at, "mimic")) is not None:
                 offset += ratio * float(mimic.get("offset", 0))
                 ratio *= float(mimic.get("multiplier", 1))
-                at = mimic.get("joint")
+                at = mimic["joint"]
             if ratio and at in names:
                 A[i, names.index(at)] = ratio
             b[i] = offset

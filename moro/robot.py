@@ -110,8 +110,9 @@ class Robot(Mechanics):
 
         ``root`` and ``tip`` name the links between which the robot is meant (several tips: all ways
         to them; what is fixed on the way belongs to it), ``fix`` the joints that stand still,
-        {name: position [rad or m]}; rows of DH parameters have no names. In a URDF, decimals that are a multiple of pi/4 or pi/6 to
-        the last digit, 1.5708, are that angle, unless ``as_written``; ``model_summary`` lists them.
+        {name: position [rad or m]}; rows of DH parameters have no names. In a URDF, decimals that
+        are a multiple of pi/4 or pi/6 to the last digit, 1.5708, are that angle, unless
+        ``as_written``; ``model_summary`` lists them.
 
         Raises ``moro.io.RobotFileError``, a ValueError, that lists all that is wrong with the file,
         with lines and fields. Warns (RobotFileWarning) of what is legal but probably not meant.

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from enum import Enum
+from itertools import chain
 
 from moro.algorithms.posture import Posture
 from moro_codegen.passes.frames import (
+    along_common_normals,
     common_normals,
     has_parameters,
     in_unit,
@@ -26,6 +28,7 @@ class Pass(Enum):
     """One way to need fewer operations; each builds on those before it."""
 
     COMMON_NORMALS = "common normals"
+    X_AXES = "x axes along them"
     BASE_PARAMETERS = "base parameters"
     BALANCING_MASSES = "balancing masses"
     UNIT_OF_LENGTH = "unit of length"
@@ -40,7 +43,7 @@ PASSES = tuple(Pass)
 
 def equivalent_postures(arm: Posture, passes: Collection[Pass] = PASSES) -> Iterator[Posture]:
     """Yield the arm in the descriptions that may need the fewest operations, for one to choose."""
-    for placed in _placed(arm, passes):
+    for placed in chain.from_iterable(_placed(x, passes) for x in _turned(arm, passes)):
         leaves = turnable_leaves(placed) if Pass.LAST_LINKS in passes else frozenset()
         parallel = turnable_parallels(placed) if Pass.PARALLEL_AXES in passes else frozenset()
         for moved in _reduced(placed, passes):
@@ -51,10 +54,19 @@ def equivalent_postures(arm: Posture, passes: Collection[Pass] = PASSES) -> Iter
 
 def rearranged(arm: Posture, passes: Collection[Pass] = PASSES) -> Iterator[Posture]:
     """Yield the arm with other frames, but the last: its bodies and lengths stay what they are."""
-    arms = [arm, *(_placed(arm, passes) if Pass.COMMON_NORMALS in passes else ())]
+    arms = [*_turned(arm, passes)]
+    if Pass.COMMON_NORMALS in passes:
+        arms += [moved for turned in tuple(arms) for moved in _placed(turned, passes)]
     yield from arms
     if Pass.PARALLEL_AXES in passes:
         yield from (unturned(placed, turnable_parallels(placed)) for placed in arms)
+
+
+def _turned(arm: Posture, passes: Collection[Pass]) -> Iterator[Posture]:
+    """Yield the arm as it is, and with other x axes if it has others."""
+    yield arm
+    if Pass.X_AXES in passes and (turned := along_common_normals(arm)) != arm:
+        yield turned
 
 
 def _placed(arm: Posture, passes: Collection[Pass]) -> Iterator[Posture]:

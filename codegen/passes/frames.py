@@ -133,16 +133,7 @@ def _shifted(link: PosedLink, by: float) -> PosedLink:
 
 
 def common_normals(arm: Posture) -> Iterator[Posture]:
-    """Yield the arm with frames on common normals: those that constants lead to, then all.
-
-    First as they are turned, then with x axes along the normals, if that changes anything.
-    """
-    yield from _on_normals(arm)
-    if (turned := along_common_normals(arm)) != arm:
-        yield from _on_normals(turned)
-
-
-def _on_normals(arm: Posture) -> Iterator[Posture]:
+    """Yield the arm with frames on common normals: those that constants lead to, then all."""
     moved = on_common_normals(arm)
     yield moved
     if has_parameters(arm) and (further := on_common_normals(arm, parameters=True)) != moved:

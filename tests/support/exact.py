@@ -12,6 +12,7 @@ import numpy as np
 from moro.model import PRISMATIC, REVOLUTE, Body, Frame, Joint, Model, Placement
 from moro.spatial.angles import rational_sincos
 from moro_codegen.graph.nodes import schedule
+from moro_codegen.passes import PASSES, Pass
 
 
 class Series:
@@ -159,6 +160,10 @@ def _in_base(model, i, r, paths):
         r = tuple(R[k][0] * x + R[k][1] * y + R[k][2] * z + p[k] for k in range(3))
         i = joint.parent
     return r
+
+
+#: what leaves numbers exact: x axes are turned by angles that are no fractions
+EXACT = [x for x in PASSES if x is not Pass.X_AXES]
 
 
 def exact_values(results, inputs, sincos=()):

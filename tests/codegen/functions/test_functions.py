@@ -10,7 +10,7 @@ import pytest
 import sympy as sp
 from arms import NAMES, numeric, sincos
 from dynamics import arrays, exact_case
-from exact import exact_values, rational
+from exact import EXACT, exact_values, rational
 from recursion import (
     coriolis_matrix,
     forward_dynamics,
@@ -105,7 +105,7 @@ def test_exact(seed):
         for x in case.model.coordinates
     ]
     model = replace(case.model, coordinates=tuple(Coordinate(drive=x) for x in drives))
-    program = generate(model, TESTED)
+    program = generate(model, TESTED, passes=EXACT)
     expected = Algorithms(model, case.sincos, case.q, sign=lambda x: Fraction((x > 0) - (x < 0)))
     tau, wrench = ([rational(rng) for _ in range(size)] for size in (case.n, 6))
     given = {"q": case.q, "qd": case.qd, "qdd": case.qdd, "tau": tau, "wrench": wrench}
@@ -124,7 +124,7 @@ def test_forward_dynamics_of_equivalent_arms(seed):
     system = System(graph, case.model.map(Converter(graph, {})))
     q, qd, tau = ([graph.input(x, i) for i in range(case.n)] for x in ("q", "qd", "tau"))
     given = {"q": case.q, "qd": case.qd, "tau": case.torques(case.qd, case.qdd)}
-    for arm in equivalent_postures(system.posture(q)):
+    for arm in equivalent_postures(system.posture(q), EXACT):
         for algorithm in (joint_accelerations, by_factorization):
             qdd = algorithm(arm, case.rotors, qd, tau)
             assert exact_values([*map(graph.constant, qdd)], given, case.sincos) == case.qdd

@@ -17,7 +17,7 @@ from arms import (
     reference_states,
     sincos,
 )
-from exact import exact_arm, exact_state, exact_values, point_torques
+from exact import EXACT, exact_arm, exact_state, exact_values, point_torques
 from programs import evaluate
 from recursion import inverse_dynamics
 
@@ -97,7 +97,7 @@ def test_exact(seed):
     rng = np.random.default_rng(100 + seed)
     model, points = exact_arm(rng, 6, tree=seed % 2 == 1)
     pairs, q, qd, qdd = exact_state(rng, 6)
-    values = exact_values(tau(model).results, {"q": q, "qd": qd, "qdd": qdd}, pairs)
+    values = exact_values(tau(model, passes=EXACT).results, {"q": q, "qd": qd, "qdd": qdd}, pairs)
     assert values == point_torques(model, points, pairs, q, qd, qdd)
 
 
