@@ -48,7 +48,9 @@ TOKENS = [
     "yes", "1_000", "0x10", "010", "1:30", "2026-01-01", "1,5", "!!python/name:os.system ", "&a ",
     "*a", "<<: *a", "pi", "pi/0", "q1", "payload", "sqrt(-1)", "9**9", "log(0)", "sin(1)**2",
     "links:", "joint:", "mass:", "com:", "inertia:", "limits:", "parameters:", "name:", "gravity:",
-    "dh", "mdh", "revolute", "prismatic", "\u2028", "\ufeff", "é", "１", "\U0001f916",
+    "dh", "mdh", "revolute", "prismatic", "fixed", "helical", "xyz:", "rpy:", "R:", "axis:",
+    "bodies:", "frames:", "parent:", "base:", "tool:", "coordinates:", "gear_ratio:", "-q2 - q3",
+    "q1*q2", "\u2028", "\ufeff", "é", "１", "\U0001f916",
 ]  # fmt: skip
 
 #: what is special in a comment, a string, or a line of what is emitted
@@ -85,7 +87,7 @@ def robot_trees(draw):
     for _ in range(draw(st.integers(1, 4))):
         link = draw(st.sampled_from(tree["links"])) if tree.get("links") else tree
         place = link if isinstance(link, dict) and draw(st.booleans()) else tree
-        key = draw(st.sampled_from(sorted(map(str, place))) | st.text(max_size=5))
+        key = draw(st.sampled_from(sorted(map(str, place)) or ["a"]) | st.text(max_size=5))
         place[key] = draw(VALUES)
         if not isinstance(tree.get("links"), list):
             break
@@ -104,7 +106,7 @@ def robot_files(data):
     if robot is None:
         assert message.startswith(str(path))
     elif robot.masses is not None:
-        assert robot.model().dof == robot.dof > 0
+        assert robot.model().nv == robot.dof > 0
 
 
 OPERATIONS = {

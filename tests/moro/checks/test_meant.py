@@ -67,9 +67,9 @@ def test_attributes(word, said):
         (lambda: mr.load({}), TypeError, "the path of a robot file or the name of a packaged arm"),
         (lambda: Robot((l1, 0, 0, q1), (l2, 0, 0, 0)), ValueError, "A fixed row, of a tool say"),
         (
-            lambda: Robot((0, 0, 0, sp.pi / 2 - q1)),
+            lambda: Robot((0, 0, 0, q1), (0, 0, 0, q1)),
             ValueError,
-            "Write q_1(t) + pi/2, and the joint",
+            "joints that move together are links of Robot.of",
         ),
         (lambda: mc.compile(mr.load("two_link"), (("tau", "tau"),)), ValueError, "asked for twice"),
     ],
