@@ -53,6 +53,17 @@ TOKENS = [
     "q1*q2", "\u2028", "\ufeff", "é", "１", "\U0001f916",
 ]  # fmt: skip
 
+#: what is special in a URDF
+URDF_WORDS = re.split(
+    r"(\W)", (Path(__file__).parent / "reference/urdf/stacker.urdf").read_text(encoding="utf-8")
+)
+XML_TOKENS = [
+    *"<>/\"'&;= \n\t\0", "0", "-1", "1e400", "nan", "inf", "1_0", "&lol;", "&#0;", "<!--",
+    "<![CDATA[", "<!DOCTYPE x>", "<?xml?>", "${x}", "xacro:x", "floating",
+    "planar", "fixed", "mimic", "finger",
+    "deck", "floor", "ixx", "xyz", "9" * 200, "\ufeff", "é", "１", "\ud800",
+]  # fmt: skip
+
 #: what is special in a comment, a string, or a line of what is emitted
 HOSTILE = [
     "*/", "/*", "//", "\\", "\\\n", "\n", "\r", "\u2028", '"', '"""', "'", "'''", "??/", "{{", "}}",
@@ -94,13 +105,30 @@ def robot_trees(draw):
     return yaml.safe_dump(tree, allow_unicode=True).encode("utf-8", "surrogatepass")
 
 
-def robot_files(data):
+@st.composite
+def urdfs(draw):
+    """A URDF with some of its words and characters replaced."""
+    words = [*URDF_WORDS]
+    for _ in range(draw(st.integers(1, 4))):
+        at = draw(st.integers(0, len(words) - 1))
+        words[at] = draw(st.sampled_from(XML_TOKENS) | st.text(max_size=4))
+    return "".join(words).encode("utf-8", "surrogatepass")
+
+
+def urdf_files(data):
+    """Any file is a robot with a model, or one error that names the file."""
+    robot_files(data, "robot.urdf")
+
+
+def robot_files(data, name="arm.yaml"):
     """Any file is a robot with a model, or one error that names the file."""
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "arm.yaml"
+        path = Path(folder) / name
         path.write_bytes(data)
         try:
-            robot = load(path)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                robot = load(path)
         except RobotFileError as error:
             robot, message = None, str(error)
     if robot is None:
@@ -242,6 +270,7 @@ def stripped(path, text):
 
 TARGETS = {
     "robot_files": (robot_files, robot_texts() | robot_trees() | st.binary(max_size=200)),
+    "urdf_files": (urdf_files, urdfs() | st.binary(max_size=200)),
     "expressions": (
         expressions,
         st.recursive(NUMBERS, _longer, max_leaves=12)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -47,7 +48,8 @@ def description(
     file = read(source)
     from moro.formats.yaml.build import build  # after what may refuse the file without SymPy
 
-    return _part(build(file), **part) if any(part.values()) else build(file)
+    with _named(path):
+        return _part(build(file), **part) if any(part.values()) else build(file)
 
 
 def _urdf(path: Path, as_written: bool, **part: Any) -> Source:
@@ -57,8 +59,9 @@ def _urdf(path: Path, as_written: bool, **part: Any) -> Source:
     from moro.formats.assembled import Assembled  # after what may refuse the file without SymPy
     from moro.formats.urdf.build import notes
 
-    meant = _meant(assembly, **part)
-    return Assembled(replace(meant, notes=(*notes(meant), *meant.notes)), decimal=True)
+    with _named(path):
+        meant = _meant(assembly, **part)
+        return Assembled(replace(meant, notes=(*notes(meant), *meant.notes)), decimal=True)
 
 
 def _part(described: Source, **part: Any) -> Source:
@@ -71,6 +74,17 @@ def _part(described: Source, **part: Any) -> Source:
             f"{asked} of {described.name}: its links are rows of DH parameters alone, without names"
         )
     return Assembled(_meant(described.assembly, **part), described.decimal)
+
+
+@contextmanager
+def _named(path: Path) -> Iterator[None]:
+    """Name the file in what is wrong with the robot as a whole, or with the part that is meant."""
+    try:
+        yield
+    except RobotFileError:
+        raise
+    except ValueError as error:
+        raise RobotFileError(str(path), [Problem(None, "", str(error))]) from None
 
 
 def _meant(
