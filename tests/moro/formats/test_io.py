@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import sympy
 import yaml
+from arms import NAMES
 from sympy import Integer, Matrix, Rational, pi
 
 import moro.formats.loading
@@ -194,10 +195,13 @@ def test_a_hundred_links(write):
 
 
 def test_packaged_arms():
-    assert packaged() == ("panda", "puma560", "stanford_arm", "two_link", "ur5", "ur5e")
+    assert packaged() == (
+        "cobra600", "palletizer", "panda", "puma560", "solo12", "stanford_arm", "two_link", "ur5",
+        "ur5e", "xarm7",
+    )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", packaged())
+@pytest.mark.parametrize("name", [*NAMES, "ur5e"])
 def test_packaged_arm_says_what_its_yaml_says(name):
     """Against a plain YAML reader, whose floats print as the decimals of the file."""
     robot = load(name)

@@ -413,10 +413,10 @@ EXPLOSION = "\n".join(
     ],
 )
 def test_a_file_that_explodes_costs_little(errors_of, text, said):
-    start = time.perf_counter()
+    start = time.thread_time()
     (problem,) = errors_of(text)
     assert said in problem.message
-    assert time.perf_counter() - start < 5
+    assert time.thread_time() - start < 5
 
 
 # --- no such file --------------------------------------------------------------------------------
@@ -439,10 +439,11 @@ def test_a_missing_file_names_its_neighbour(tmp_path):
 def test_a_missing_arm_names_the_packaged_ones():
     assert message("pumma560") == (
         "pumma560: neither a file nor a packaged arm; did you mean `puma560`?"
-        " (packaged are panda, puma560, stanford_arm, two_link, ur5, ur5e)"
+        " (packaged are cobra600, palletizer, panda, puma560, solo12, stanford_arm, two_link,"
+        " ur5, ur5e, xarm7)"
     )
-    assert "(packaged are panda," in message("")
-    assert "(packaged are panda," in message("kuka")
+    assert "(packaged are cobra600," in message("")
+    assert "(packaged are cobra600," in message("kuka")
 
 
 def test_a_folder(tmp_path):

@@ -1,6 +1,8 @@
-"""A URDF with everything in it against Pinocchio's numbers (benchmarks/urdf_reference.py)."""
+"""URDFs against Pinocchio's numbers (benchmarks/urdf_reference.py): one with everything in it, and
+those that packaged robots come from."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,16 +16,22 @@ from moro.algorithms.posture import posture, with_frame
 
 FOLDER = Path(__file__).parents[3] / "reference" / "urdf"
 STACKER = FOLDER / "stacker.urdf"
+PACKAGED = ("solo12", "xarm7")
+
+
+@pytest.fixture(scope="module", params=["stacker", *PACKAGED])
+def path(request):
+    return FOLDER / f"{request.param}.urdf"
 
 
 @pytest.fixture(scope="module")
-def numbers():
-    return json.loads(STACKER.with_suffix(".json").read_text())
+def numbers(path):
+    return json.loads(path.with_suffix(".json").read_text())
 
 
 @pytest.fixture(scope="module")
-def stacker():
-    return mr.load(STACKER, as_written=True)
+def robot(path):
+    return mr.load(path, as_written=True)
 
 
 def close(found, expected):
@@ -31,10 +39,10 @@ def close(found, expected):
     return np.allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
-def test_dynamics(stacker, numbers, tmp_path):
+def test_dynamics(robot, numbers, tmp_path):
     functions = ("tau", "bias", "inertia_matrix", "forward_dynamics")
-    kernel = mc.compile(stacker, functions=functions, backend="numpy", directory=tmp_path)
-    assert stacker.joint_names == numbers["joints"]
+    kernel = mc.compile(robot, functions=functions, backend="numpy", directory=tmp_path)
+    assert robot.joint_names == numbers["joints"]
     for state in numbers["states"]:
         q, qd, qdd = (np.array(state[key]) for key in ("q", "qd", "qdd"))
         assert close(kernel.tau(q, qd, qdd), state["tau"])
@@ -43,8 +51,8 @@ def test_dynamics(stacker, numbers, tmp_path):
         assert close(kernel.forward_dynamics(q, qd, state["tau"]), qdd)
 
 
-def test_frames(stacker, numbers):
-    model = stacker.model().map(float)
+def test_frames(robot, numbers):
+    model = robot.model().map(float)
     for state in numbers["states"]:
         sincos = [(np.sin(x), np.cos(x)) for x in displacements(model, state["q"])]
         arm = posture(model, state["q"], sincos)
@@ -55,9 +63,27 @@ def test_frames(stacker, numbers):
             assert close(frame_jacobian(there), state["J"][frame.name])
 
 
-def test_what_the_decimals_mean_is_near(numbers, tmp_path):
+def test_what_the_decimals_mean_is_near(tmp_path):
+    numbers = json.loads(STACKER.with_suffix(".json").read_text())
     meant = mc.compile(mr.load(STACKER), backend="numpy", directory=tmp_path)
     for state in numbers["states"]:
         q, qd, qdd = (np.array(state[key]) for key in ("q", "qd", "qdd"))
         assert np.allclose(meant.tau(q, qd, qdd), state["tau"], rtol=1e-4, atol=1e-3)
         assert not close(meant.tau(q, qd, qdd), state["tau"])
+
+
+@pytest.mark.parametrize("name", PACKAGED)
+def test_packaged_robots_are_those_of_the_urdfs(name):
+    """But for limits, where the file says 2 pi for 6.2831853072."""
+    found, of_urdf = mr.load(name).model(), mr.load(FOLDER / f"{name}.urdf").model()
+    limits = [np.array(model.ranges, dtype=float) for model in (found, of_urdf)]
+    assert np.allclose(*limits, rtol=1e-12)
+    found, of_urdf = (
+        replace(
+            model,
+            name="",
+            coordinates=tuple(replace(x, limits=None) for x in model.coordinates),
+        )
+        for model in (found, of_urdf)
+    )
+    assert found == of_urdf

@@ -28,6 +28,11 @@ def again(robot, path):
 
 
 @pytest.mark.parametrize("name", packaged())
+def test_packaged_robots_are_saved_as_they_are(name, tmp_path):
+    assert again(mr.load(name), tmp_path / "arm.yaml").model() == mr.load(name).model()
+
+
+@pytest.mark.parametrize("name", [*NAMES, "ur5e"])
 def test_rows_stay_rows(name, tmp_path):
     robot = mr.load(name)
     assert again(robot, tmp_path / "arm.yaml").model() == robot.model()
