@@ -105,14 +105,15 @@ class Robot(Mechanics):
     ) -> _Self:
         """Return the robot that a file describes.
 
-        ``source`` is the path of a robot.yaml or a URDF, or the name of a packaged arm. Where it
-        could be both, it is the packaged arm; ``./puma560`` is always a path.
+        ``source`` is the path of a robot.yaml, a URDF or an MJCF (of MuJoCo, which has to be
+        installed), or the name of a packaged arm. Where it could be both, it is the packaged arm;
+        ``./puma560`` is always a path.
 
         ``root`` and ``tip`` name the links between which the robot is meant (several tips: all ways
         to them; what is fixed on the way belongs to it), ``fix`` the joints that stand still,
-        {name: position [rad or m]}; rows of DH parameters have no names. In a URDF, decimals that
-        are a multiple of pi/4 or pi/6 to the last digit, 1.5708, are that angle, unless
-        ``as_written``; ``model_summary`` lists them.
+        {name: position [rad or m]}; rows of DH parameters have no names. In a URDF or an MJCF,
+        decimals that are a multiple of pi/4 or pi/6 to the last digit, 1.5708, are that angle,
+        unless ``as_written``; ``model_summary`` lists them.
 
         Raises ``moro.io.RobotFileError``, a ValueError, that lists all that is wrong with the file,
         with lines and fields. Warns (RobotFileWarning) of what is legal but probably not meant.

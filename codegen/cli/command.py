@@ -147,7 +147,7 @@ class _Fixed(click.ParamType):  # type: ignore[type-arg]
 @click.option(
     "--as-written",
     is_flag=True,
-    help="Of a URDF: 1.5708 is that decimal, and not pi/2.",
+    help="Of a URDF or an MJCF: 1.5708 is that decimal, and not pi/2.",
 )
 @click.option(
     "--save",
@@ -226,9 +226,10 @@ def main(
 ) -> None:
     """Make a compiled kernel of a robot's dynamics, and prove it.
 
-    ROBOT is a robot.yaml or a URDF, or the name of a packaged arm. The equations of motion are
-    derived symbolically; a kernel, by default tau(q, qd, qdd), is generated on an independent
-    route, compiled, compared with the equations at random and awkward states, and timed.
+    ROBOT is a robot.yaml, a URDF or an MJCF, or the name of a packaged arm. The equations of
+    motion are derived symbolically; a kernel, by default tau(q, qd, qdd), is generated on an
+    independent route, compiled, compared with the equations at random and awkward states, and
+    timed.
     BUILD/NAME/ gets the C source, its header, the shared library and a manifest.
     """
     try:

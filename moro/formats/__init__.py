@@ -8,7 +8,10 @@ assembled     these, as what a robot is given by
 taken_apart   a Model as such links
 dh            rows of Denavit-Hartenberg parameters
 yaml          robot.yaml, and dictionaries with its fields
-urdf          URDF
+xml           XML as elements with their lines; what is hostile is refused
+decimals      numbers of files, exact; angles and directions that decimals mean
+urdf          URDF, the format of ROS
+mjcf          MJCF, the format of MuJoCo
 recognition   what a file is that is no robot file
 loading       the robot of a file, or a packaged one
 saving        any robot to a robot.yaml

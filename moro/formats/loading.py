@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from moro.formats.errors import Problem, RobotFileError, RobotFileWarning, nearest
-from moro.formats.recognition import is_urdf
+from moro.formats.recognition import kind
 
 if TYPE_CHECKING:
     from moro.formats.assembly import Assembly
@@ -41,10 +41,10 @@ def description(
 ) -> Source:
     """Return what a file describes: what ``moro.load`` makes a Robot of, with its arguments."""
     path, part = locate(source), {"root": root, "tip": tip, "fix": fix}
-    if is_urdf(path):
-        return _urdf(path, as_written, **part)
+    if format := kind(path):
+        return _of_links(path, format, as_written, **part)
     if as_written:
-        raise ValueError(f"as_written is for a URDF: {source} is none")
+        raise ValueError(f"as_written is for a URDF or an MJCF: {source} is none")
     file = read(source)
     from moro.formats.yaml.build import build  # after what may refuse the file without SymPy
 
@@ -52,15 +52,20 @@ def description(
         return _part(build(file), **part) if any(part.values()) else build(file)
 
 
-def _urdf(path: Path, as_written: bool, **part: Any) -> Source:
-    from moro.formats.urdf import reader
-
-    assembly = reader.read(path, as_written=as_written)
+def _of_links(path: Path, format: str, as_written: bool, **part: Any) -> Source:
+    """Return what is described by links, or the part of it that is meant."""
+    if format == "urdf":
+        from moro.formats.urdf.reader import read
+    else:
+        from moro.formats.mjcf.reader import read
+    assembly = read(path, as_written=as_written)
     from moro.formats.assembled import Assembled  # after what may refuse the file without SymPy
-    from moro.formats.urdf.build import notes
+    from moro.formats.assembly import notes
 
     with _named(path):
         meant = _meant(assembly, **part)
+        if problems := meant.problems():
+            raise RobotFileError(os.fspath(path), problems)
         return Assembled(replace(meant, notes=(*notes(meant), *meant.notes)), decimal=True)
 
 

@@ -7,30 +7,33 @@ from pathlib import Path
 
 #: by the name of the root element
 _ROOTS = {
-    "mujoco": "MJCF, the format of MuJoCo",
-    "mujocoinclude": "MJCF, the format of MuJoCo",
     "sdf": "SDF, the format of Gazebo",
     "gazebo": "SDF, the format of Gazebo",
 }
+#: of XML that is read
+_KINDS = {"robot": "urdf", "mujoco": "mjcf", "mujocoinclude": "mjcf"}
 _START = re.compile(r"<[?!A-Za-z]")
 _COMMENT = re.compile(r"<!--.*?(-->|\Z)", re.DOTALL)
 _ROOT = re.compile(r"<([A-Za-z][\w.-]*)")
 
-EXPECTED = "expected a robot.yaml or a URDF"
+EXPECTED = "expected a robot.yaml, a URDF or an MJCF"
 #: bytes in which a file says what it is
 _HEAD = 65536
 
 
-def is_urdf(path: Path) -> bool:
-    """Whether a file is URDF, or xacro, of which that is made: by its name, or by its root."""
+def kind(path: Path) -> str:
+    """Return "urdf", "mjcf", or "" for anything else: by the name of a file, or by its root.
+
+    Xacro, of which URDFs are made, is "urdf".
+    """
     if path.suffix.lower() in (".urdf", ".xacro"):
-        return True
+        return "urdf"
     try:
         with path.open("rb") as file:
             head = file.read(_HEAD)
     except (OSError, ValueError):
-        return False  # which its reader will say
-    return _root(head.decode("utf-8-sig", "replace")) == "robot"
+        return ""  # which its reader will say
+    return _KINDS.get(_root(head.decode("utf-8-sig", "replace")), "")
 
 
 def foreign(text: str, suffix: str) -> str | None:

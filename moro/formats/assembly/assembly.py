@@ -12,7 +12,9 @@ import sympy as sp
 from moro.checks.callers import outside
 from moro.formats.assembly import bodies, drives, parts, tree
 from moro.formats.assembly.links import Link, Motion
+from moro.formats.assembly.obstacles import Obstacle
 from moro.formats.assembly.steps import joined, placed
+from moro.formats.errors import Problem
 from moro.model import REVOLUTE, Body, Coordinate, Drive, Frame, Joint, Model, Parameter, Turn
 from moro.model.placement import Step
 from moro.spatial.vectors import Vector, times, transpose
@@ -41,6 +43,13 @@ class Assembly:
     not_set: frozenset[str] | None = None
     #: what is to be said of it: (of what, what)
     notes: tuple[tuple[str, str], ...] = ()
+    #: what joints do not hold, each for the parts of the robot that it concerns
+    obstacles: tuple[Obstacle, ...] = ()
+
+    def problems(self) -> list[Problem]:
+        """Return what keeps this part of the robot from being a tree of joints."""
+        links, moving = {link.name for link in self.links}, set(self._moving(self.links))
+        return [x.problem for x in self.obstacles if x.is_in(links, moving)]
 
     def fixed(self, values: Mapping[str, Any]) -> Assembly:
         """Return the robot with coordinates that stand still, {name: value [rad or m]}.

@@ -1,7 +1,5 @@
 """URDF, the format of ROS.
 
-document   XML as elements with their lines; what is hostile is refused
-values     numbers and vectors in attributes, exact; angles and directions that decimals mean
 reading    elements and attributes, and what is wrong with them
 elements   links and joints of a file, validated
 structure  that they are one tree, and what mimics what

@@ -10,7 +10,6 @@ from moro.formats import assembly
 from moro.formats.assembly import Assembly, Motion, inverse, placed, rpy, to_axis
 from moro.formats.assembly.bodies import central_body
 from moro.formats.urdf.elements import MOTIONS, Joint, Link, Origin
-from moro.formats.urdf.reading import short
 from moro.formats.urdf.structure import coordinates, followed, in_order, root
 from moro.model import PRISMATIC, REVOLUTE, Body, Coordinate, Shift
 from moro.model.placement import Step
@@ -75,15 +74,3 @@ def _bodies(link: Link) -> tuple[Body, ...]:
     R = placed(rpy(*given.origin.rpy)).R
     tensor = product(product(R, given.inertia), transpose(R))
     return (central_body(given.mass, given.origin.xyz, tensor),)
-
-
-def notes(part: Assembly) -> Iterator[tuple[str, str]]:
-    """Yield what is to be said of a robot, or of the part of it that is meant: (of what, what)."""
-    for link in part.links:
-        mass = sum(body.mass for body in link.bodies)
-        if link.parent is None and mass:
-            yield "base", f"{link.name} stands still, with its {short(mass)} kg"
-    motions = [motion for link in part.links for motion in link.motions]
-    rubbing = [x.name for x in motions if x.drive.viscous or any(x.drive.coulomb)]
-    if rubbing:
-        yield "friction", f"damping and friction of {', '.join(rubbing)}"

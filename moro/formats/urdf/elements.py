@@ -9,8 +9,8 @@ import sympy as sp
 
 from moro.checks.plausibility import unphysical
 from moro.formats.errors import nearest
-from moro.formats.urdf.document import Element
 from moro.formats.urdf.reading import Reading, short
+from moro.formats.xml import Element
 from moro.model import PRISMATIC, REVOLUTE, Drive, JointType
 from moro.spatial.vectors import Matrix, Vector
 

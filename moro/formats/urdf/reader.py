@@ -14,7 +14,7 @@ from moro.checks.callers import outside
 from moro.formats import names
 from moro.formats.errors import Problem, RobotFileError, RobotFileWarning, nearest
 from moro.formats.files import contents
-from moro.formats.urdf.document import MAX_SIZE, DocumentError, Element, parse
+from moro.formats.xml import MAX_SIZE, DocumentError, Element, parse
 
 if TYPE_CHECKING:
     from moro.formats.assembly import Assembly

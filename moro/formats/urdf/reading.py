@@ -9,9 +9,9 @@ from typing import Any, TypeVar
 import sympy as sp
 
 from moro.checks import meant
+from moro.formats import decimals
 from moro.formats.errors import Problem, nearest
-from moro.formats.urdf import values
-from moro.formats.urdf.document import Element
+from moro.formats.xml import Element
 from moro.spatial.vectors import Vector
 
 _T = TypeVar("_T")
@@ -101,20 +101,20 @@ class Reading:
             if default is None:
                 self.missing(element, key, of)
             return default
-        found = self._found(values.number(text), element, key, of)
+        found = self._found(decimals.number(text), element, key, of)
         if found is not None and least is not None and found.value < least:
             self.problem(element, key, of, f"must not be negative, not {short(found.value)}")
             return None
         return None if found is None else found.value
 
-    def vector(self, element: Element, key: str, of: str) -> list[values.Number] | None:
+    def vector(self, element: Element, key: str, of: str) -> list[decimals.Number] | None:
         """Return three decimals; zeros where there are none."""
         text = element.attributes.get(key, "0 0 0")
-        return self._found(values.numbers(text, 3), element, key, of)
+        return self._found(decimals.numbers(text, 3), element, key, of)
 
-    def length(self, x: values.Number) -> Any:
+    def length(self, x: decimals.Number) -> Any:
         """Return a length; what computing has left of a zero is 0."""
-        exact, is_said = (x.value, False) if self.as_written else values.meant_zero(x.value)
+        exact, is_said = (x.value, False) if self.as_written else decimals.meant_zero(x.value)
         if is_said:
             self.meant[x.text] = "0"
         return exact
@@ -122,15 +122,15 @@ class Reading:
     def entries(self, numbers: Sequence[Any]) -> list[Any]:
         """Return the entries of a tensor; what is nothing beside the largest is 0."""
         largest = max(map(abs, numbers))
-        meant = [values.meant_zero(x, largest) for x in numbers]
+        meant = [decimals.meant_zero(x, largest) for x in numbers]
         if self.as_written or not any(is_said for _, is_said in meant):
             return [*numbers]
         self.meant["entries of tensors below 1e-10 of the largest"] = "0"
         return [exact for exact, _ in meant]
 
-    def angle(self, x: values.Number) -> Any:
+    def angle(self, x: decimals.Number) -> Any:
         """Return the angle that a decimal means."""
-        exact, is_said = values.angle(x, self.as_written)
+        exact, is_said = decimals.angle(x, self.as_written)
         if is_said:
             self.meant[x.text] = str(exact)
         return exact
@@ -146,7 +146,7 @@ class Reading:
         if not any(x.value for x in found):
             self.problem(element, key, of, "0 0 0 is no direction")
             return None
-        (x, y, z), is_said = values.direction(found, self.as_written)
+        (x, y, z), is_said = decimals.direction(found, self.as_written)
         if is_said:
             self.meant[" ".join(each.text for each in found)] = f"({x}, {y}, {z})"
         return sp.sympify(x), sp.sympify(y), sp.sympify(z)

@@ -8,8 +8,8 @@ from typing import Any
 import sympy as sp
 
 from moro.formats.errors import Problem, nearest
-from moro.formats.urdf.document import Element
 from moro.formats.urdf.elements import Joint, Link, Mimic
+from moro.formats.xml import Element
 
 _ZERO, _ONE = sp.Integer(0), sp.Integer(1)
 

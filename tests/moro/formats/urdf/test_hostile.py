@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from urdfs import axis, body, joint, link, robot, written
 
+from moro.formats import xml
 from moro.formats.errors import RobotFileError
-from moro.formats.urdf import document
 from moro.formats.urdf.reader import read
 
 LAUGHS = (
@@ -144,5 +144,5 @@ def outcome(path):
 @given(st.binary(max_size=200))
 @settings(max_examples=100, deadline=None)
 def test_any_bytes_are_xml_or_refused(data):
-    with suppress(document.DocumentError):
-        assert document.parse(data).tag
+    with suppress(xml.DocumentError):
+        assert xml.parse(data).tag

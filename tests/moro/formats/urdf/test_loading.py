@@ -78,7 +78,7 @@ def test_rows_have_no_parts():
             ValueError, match=r"(root|tip|fix) of puma560: its links are rows of DH"
         ):
             mr.load("puma560", **how)
-    with pytest.raises(ValueError, match="as_written is for a URDF: puma560 is none"):
+    with pytest.raises(ValueError, match="as_written is for a URDF or an MJCF: puma560"):
         mr.load("puma560", as_written=True)
 
 
@@ -104,9 +104,10 @@ def test_a_urdf_is_known_by_its_root(tmp_path, name):
 
 
 def test_other_formats_are_named(tmp_path):
-    with pytest.raises(
-        RobotFileError, match=r"is MJCF, the format of MuJoCo; expected a robot\.yaml"
-    ):
+    expected = r"is SDF, the format of Gazebo; expected a robot\.yaml, a URDF or an MJCF"
+    with pytest.raises(RobotFileError, match=expected):
+        mr.load(written(tmp_path, "<sdf/>", "arm.xml"))
+    with pytest.raises(ValueError, match="arm has no joint that moves"):
         mr.load(written(tmp_path, "<mujoco/>", "arm.xml"))
     with pytest.raises(RobotFileError, match="expected the root <robot> of a URDF, found <mujoco>"):
         mr.load(written(tmp_path, "<mujoco/>", "arm.urdf"))

@@ -3,7 +3,7 @@
 import pytest
 import sympy as sp
 
-from moro.formats.urdf.values import angle, direction, number, numbers
+from moro.formats.decimals import angle, direction, number, numbers
 
 R, pi = sp.Rational, sp.pi
 root2, root3 = sp.sqrt(2) / 2, sp.sqrt(3) / 2
