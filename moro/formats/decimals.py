@@ -8,6 +8,7 @@ components of directions below 1e-10, and entries of a tensor below 1e-10 of the
 
 from __future__ import annotations
 
+import math
 import re
 import struct
 from collections.abc import Sequence
@@ -28,6 +29,8 @@ _LONGEST = 100
 _ROUNDING, _NOISE = sp.Rational(1, 2**52), sp.Rational("1e-10")
 #: decimals that tell a quarter turn, and those that tell k pi/4 or k pi/6
 _FEWEST = {True: 2, False: 4}
+#: multiples of pi/12 that a decimal of two digits may be off
+_NEAR = 0.1
 #: decimals that tell a number in single precision, and a cosine
 _SINGLE, _ENOUGH = 7, 3
 _HALF = sp.Rational(1, 2)
@@ -87,8 +90,9 @@ def angle(x: Number, as_written: bool = False) -> tuple[Any, bool]:
     The double next to a multiple of pi/4 or pi/6 is that multiple, which need not be said; a
     decimal that is one to its last digit is too, unless ``as_written``.
     """
-    twelfths = round(x.value * 12 / _PI)
-    if (twelfths % 2 and twelfths % 3) or abs(twelfths) > 24:
+    size = float(x.value) * 12 / math.pi
+    twelfths = round(size)
+    if abs(size - twelfths) > _NEAR or (twelfths % 2 and twelfths % 3) or abs(twelfths) > 24:
         return x.value, False
     exact = _PI * twelfths / 12
     if abs(x.value - exact) <= _ROUNDING * max(abs(exact), 1):
