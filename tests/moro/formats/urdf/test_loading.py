@@ -107,7 +107,9 @@ def test_other_formats_are_named(tmp_path):
     expected = r"is SDF, the format of Gazebo; expected a robot\.yaml, a URDF or an MJCF"
     with pytest.raises(RobotFileError, match=expected):
         mr.load(written(tmp_path, "<sdf/>", "arm.xml"))
-    with pytest.raises(ValueError, match="arm has no joint that moves"):
+    with pytest.raises(
+        ValueError, match=r"no joint that moves|MuJoCo.s own reader, which is not installed"
+    ):
         mr.load(written(tmp_path, "<mujoco/>", "arm.xml"))
     with pytest.raises(RobotFileError, match="expected the root <robot> of a URDF, found <mujoco>"):
         mr.load(written(tmp_path, "<mujoco/>", "arm.urdf"))
