@@ -3,6 +3,7 @@
 compile         a robot's dynamics as compiled functions: a Kernel
 generate        those functions as a Program, before any language
 build           the kernel of a program, in a folder of one's own
+export          the functions as sources to take along: C, Python, ...
 lambdify        any symbolic result as a fast function of NumPy arrays
 FUNCTIONS       what can be compiled, by name
 Function        a SymPy expression as one more function to compile
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from moro_codegen.backends.toolchain import ToolchainError
+    from moro_codegen.exported import export
     from moro_codegen.functions.base_regressor import Regressor
     from moro_codegen.functions.catalogue import KNOWN as FUNCTIONS
     from moro_codegen.functions.own import UserFunction as Function
@@ -38,6 +40,7 @@ __all__ = [
     "Verification",
     "build",
     "compile",
+    "export",
     "generate",
     "lambdify",
     "verify",
@@ -54,6 +57,7 @@ _HOMES = {
     "Verification": "moro_codegen.proof.verification:Verification",
     "build": "moro_codegen.pipeline:build",
     "compile": "moro_codegen.pipeline:compile",
+    "export": "moro_codegen.exported:export",
     "generate": "moro_codegen.program:generate",
     "lambdify": "moro_codegen.lambdified:lambdify",
     "verify": "moro_codegen.proof.verification:verify",

@@ -98,7 +98,7 @@ def time_function(kernel: Kernel, robot: Robot, name: str) -> list[Timing]:
 
 def _parameters(kernel: Kernel, values: Mapping[Any, float], dtype: str) -> Any:
     """Return the run-time parameters of a kernel, for the values of a robot's symbols."""
-    return np.array(list(for_kernel(kernel, values).values()), dtype)
+    return np.array(list(for_kernel(kernel.parameters, values).values()), dtype)
 
 
 def lambdify_tau(robot: Robot) -> Callable[..., Any]:

@@ -12,8 +12,8 @@ import os
 import platform
 import re
 import time
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from datetime import datetime, timezone
 from importlib import metadata
 from pathlib import Path
@@ -77,8 +77,14 @@ def compile(
         dtype=dtype,
         arch=arch,
         named_by_key=True,
-        source={"model_sha256": hashlib.sha256(repr(as_model(robot)).encode()).hexdigest()},
+        source={"model_sha256": digest(as_model(robot))},
     )
+
+
+def digest(model: Model) -> str:
+    """Return the SHA-256 of a model, the same in every process."""
+    said = repr((replace(model, not_set=frozenset()), sorted(model.not_set)))
+    return hashlib.sha256(said.encode()).hexdigest()
 
 
 def built(
@@ -104,16 +110,14 @@ def build(
     *,
     arch: str = "native",
     named_by_key: bool = False,
-    languages: Collection[str] = (),
     source: Mapping[str, Any] | None = None,
     timings: Mapping[str, float] | None = None,
 ) -> Kernel:
     """Return the kernel of a program in ``directory``, built anew only if another one is there.
 
-    The sources of further ``languages`` ("c", "cython", "python") are written beside its own. With
-    ``named_by_key`` the kernel gets a folder of its own inside ``directory``. ``source`` says where
-    the program came from (``{"file": ..., "sha256": ...}``) and is recorded in the manifest as
-    "input". The kernel's ``timings`` are those given, and the seconds for "emit" and "compile".
+    With ``named_by_key`` the kernel gets a folder of its own inside ``directory``. ``source`` says
+    where the program came from (``{"file": ..., "sha256": ...}``) and is recorded in the manifest
+    as "input". The kernel's ``timings`` are those given, and the seconds for "emit" and "compile".
     Everything is built in a folder beside ``directory`` and moved there when it is complete; what
     is there already and whole is opened without writing anything. A kernel for an ``arch`` that
     the processor at hand is not is built, and then ProcessorError says that it cannot be opened.
@@ -121,7 +125,7 @@ def build(
     seconds = dict(timings or {})
     maker = backends.get(backend)  # whose import is not the program's time
     start = time.perf_counter()
-    texts = sources(program, backend, languages)
+    texts = sources(program, maker)
     seconds["emit"] = time.perf_counter() - start
     work = _Work(maker, texts, maker.compiler(program, arch))
     manifest = _manifest(program, work, source)
@@ -139,20 +143,22 @@ class _Work:
     """What there is to do for a kernel."""
 
     backend: Backend
-    #: by who wrote them, and by path
-    texts: Mapping[Backend, Mapping[str, str]]
+    #: by path
+    texts: Mapping[str, str]
     compiler: Compiler | None
 
 
-def sources(
-    program: Program, backend: str, languages: Iterable[str] = ()
-) -> dict[Backend, dict[str, str]]:
-    """Return the texts of a program's files, by who writes them and by path.
+def sources(program: Program, writer: Backend) -> dict[str, str]:
+    """Return the texts of a kernel's files, by path. Raise ValueError for a name it cannot have."""
+    check_names(program, {*dir(Kernel), *Kernel.__annotations__, *SYMBOLS}, writer.reserved)
+    return writer.emit(program)
 
-    Raise ValueError for a backend or language that there is not, or a name that they, or kernels,
-    cannot give to anything.
+
+def check_names(program: Program, taken: Collection[str], reserved: Collection[str]) -> None:
+    """Raise ValueError where the robot or a function has a name that generated code cannot have.
+
+    ``taken`` are what every kernel or export has, ``reserved`` words of the code.
     """
-    writers = dict.fromkeys([backends.get(backend), *map(backends.of_language, languages)])
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", program.name):
         raise ValueError(
             f"a robot named {program.name!r} cannot name functions: letters, digits and "
@@ -164,17 +170,15 @@ def sources(
             f"at most {MAX_NAME}"
         )
     for name in (routine.function.name for routine in program.routines):
-        if name in {*dir(Kernel), *Kernel.__annotations__, *SYMBOLS}:
+        if name in taken:
             raise ValueError(f"a function cannot be named {name!r}: every kernel has a {name}")
-        if any(name in writer.reserved for writer in writers):
+        if name in reserved:
             raise ValueError(f"a function cannot be named {name!r}: generated code uses that name")
-    return {writer: writer.emit(program) for writer in writers}
 
 
 def _manifest(program: Program, work: _Work, source: Mapping[str, Any] | None) -> dict[str, Any]:
     """Return a kernel's manifest; its "key" is the hash of everything that shapes the kernel."""
-    compiler = work.compiler
-    texts = {path: text for written in work.texts.values() for path, text in written.items()}
+    compiler, texts = work.compiler, work.texts
     manifest = {
         "format": store.FORMAT,
         "name": program.name,
@@ -185,7 +189,7 @@ def _manifest(program: Program, work: _Work, source: Mapping[str, Any] | None) -
         "gravity": None if program.gravity is None else list(program.gravity),
         "scalar": program.scalar,
         "backend": work.backend.name,
-        "texts": hashlib.sha256(json.dumps(texts, sort_keys=True).encode()).hexdigest(),
+        "texts": hashlib.sha256(json.dumps(dict(texts), sort_keys=True).encode()).hexdigest(),
         "input": dict(source or {}),
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "versions": {
@@ -225,10 +229,9 @@ def _install(folder: Path, manifest: Mapping[str, Any], work: _Work) -> None:
     with store.workshop(folder) as beside:
         new = beside / folder.name
         new.mkdir()
-        for writer, texts in work.texts.items():
-            for path, text in writer.signed(texts, name, key).items():
-                (new / path).parent.mkdir(parents=True, exist_ok=True)
-                (new / path).write_text(text, encoding="utf-8")
+        for path, text in work.backend.signed(work.texts, name, key).items():
+            (new / path).parent.mkdir(parents=True, exist_ok=True)
+            (new / path).write_text(text, encoding="utf-8")
         if work.compiler is not None:
             work.backend.build(work.compiler, new, name)
         files = {path: store.digest(new / path) for path in store.paths(new)}

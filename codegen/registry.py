@@ -1,89 +1,87 @@
-"""The backends there are, by name; each is imported when it is first asked for.
+"""The backends and targets there are, by name; each is imported when it is first asked for.
 
-What requests and ``--help`` need to know of backends is here; neither loads any of them.
+What requests and ``--help`` need to know of them is here; neither loads any of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pkgutil import resolve_name
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 
 class Registered(Protocol):
-    """What is asked of a backend before there is a program for it."""
+    """What is asked of a backend or target before there is a program for it."""
 
     @property
     def name(self) -> str:
-        """What ``backend=`` calls it."""
-
-    @property
-    def language(self) -> str:
-        """What ``--emit`` calls the sources that it writes."""
+        """What ``backend=``, ``targets=`` and the command call it."""
 
     @property
     def reserved(self) -> frozenset[str]:
         """Names that no function may have, because generated code uses them itself."""
 
 
-class Home(NamedTuple):
-    """Where a backend is that has not been imported."""
+class Registry:
+    """What there is of one kind, by name."""
 
-    name: str
-    language: str
-    place: str
+    def __init__(self, kind: str, homes: Mapping[str, str]) -> None:
+        """``homes`` says where each is, ``package.module:NAME``, until it is imported."""
+        self.kind = kind
+        self._known: dict[str, Registered | str] = dict(homes)
 
+    def names(self) -> tuple[str, ...]:
+        """Return the names of all."""
+        return tuple(self._known)
 
-_BACKENDS: dict[str, Registered | Home] = {
-    home.name: home
-    for home in (
-        Home("c", "c", "moro_codegen.backends.c:BACKEND"),
-        Home("cython", "cython", "moro_codegen.backends.cython:BACKEND"),
-        Home("numpy", "python", "moro_codegen.backends.numpy:BACKEND"),
-    )
-}
+    def add(self, one: Registered) -> None:
+        """Make one known. Raise ValueError if its name belongs to another."""
+        if one.name in self._known:
+            raise ValueError(f"there is a {self.kind} {one.name!r} already")
+        self._known[one.name] = one
 
+    def remove(self, name: str) -> None:
+        """Forget one that was added."""
+        del self._known[name]
 
-def names() -> tuple[str, ...]:
-    """Return the names of all backends."""
-    return tuple(_BACKENDS)
-
-
-def languages() -> dict[str, str]:
-    """Return the languages that sources can be written in, each with its backend's name."""
-    return {backend.language: name for name, backend in _BACKENDS.items()}
-
-
-def add(backend: Registered) -> None:
-    """Make a backend known. Raise ValueError if its name or language belongs to another."""
-    other = languages().get(backend.language)
-    if backend.name in _BACKENDS or other is not None:
-        raise ValueError(f"there is a backend {other or backend.name!r} already")
-    _BACKENDS[backend.name] = backend
+    def find(self, name: str) -> Registered:
+        """Return one, imported if need be. Raise ValueError if there is none of this name."""
+        if name not in self._known:
+            raise ValueError(f"{self.kind} must be {either(self._known)}, not {name!r}")
+        found = self._known[name]
+        if isinstance(found, str):
+            loaded: Registered = resolve_name(found)
+            found = self._known[name] = loaded
+        return found
 
 
-def remove(name: str) -> None:
-    """Forget a backend that was added."""
-    del _BACKENDS[name]
+BACKENDS = Registry(
+    "backend",
+    {
+        "c": "moro_codegen.backends.c:BACKEND",
+        "cython": "moro_codegen.backends.cython:BACKEND",
+        "numpy": "moro_codegen.backends.numpy:BACKEND",
+    },
+)
 
-
-def find(name: str) -> Registered:
-    """Return a backend, imported if need be. Raise ValueError if there is none of this name."""
-    if name not in _BACKENDS:
-        raise ValueError(f"backend must be {either(_BACKENDS)}, not {name!r}")
-    found = _BACKENDS[name]
-    if isinstance(found, Home):
-        loaded: Registered = resolve_name(found.place)
-        found = _BACKENDS[name] = loaded
-    return found
+TARGETS = Registry(
+    "target",
+    {
+        "c": "moro_codegen.targets.c:TARGET",
+        "python": "moro_codegen.targets.python:TARGET",
+        "cython": "moro_codegen.targets.cython:TARGET",
+    },
+)
 
 
 def reserved() -> frozenset[str]:
-    """Return the names that some backend's code uses itself."""
-    return frozenset[str]().union(*(find(name).reserved for name in _BACKENDS))
+    """Return the names that some backend's or target's code uses itself."""
+    return frozenset[str]().union(
+        *(kind.find(name).reserved for kind in (BACKENDS, TARGETS) for name in kind.names())
+    )
 
 
 def either(names: Iterable[str]) -> str:
     """Return ``"c", "cython" or "numpy"``."""
     *most, last = [f'"{name}"' for name in names]
-    return f"{', '.join(most)} or {last}"
+    return f"{', '.join(most)} or {last}" if most else last

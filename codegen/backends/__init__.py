@@ -51,8 +51,6 @@ class Backend(ABC):
 
     #: what ``backend=`` and ``--backend`` call it
     name: ClassVar[str]
-    #: what ``languages=`` and ``--emit`` call the sources that it writes
-    language: ClassVar[str]
     #: names that no function may have: generated code uses them itself
     reserved: frozenset[str] = frozenset()
 
@@ -95,22 +93,14 @@ class Backend(ABC):
 def register(backend: Backend) -> None:
     """Make a backend known: to ``compile`` and ``build``, to the command, and to Kernel.
 
-    Raises ValueError if its name or language belongs to another.
+    Raises ValueError if its name belongs to another.
     """
-    registry.add(backend)
+    registry.BACKENDS.add(backend)
 
 
 def get(name: str) -> Backend:
     """Return the backend of a name. Raise ValueError if there is none."""
-    found = registry.find(name)
+    found = registry.BACKENDS.find(name)
     if not isinstance(found, Backend):
         raise TypeError(f"{name} is no Backend: {found!r}")
     return found
-
-
-def of_language(language: str) -> Backend:
-    """Return the backend that writes a language. Raise ValueError if there is none."""
-    languages = registry.languages()
-    if language not in languages:
-        raise ValueError(f"languages are {registry.either(languages)}, not {language!r}")
-    return get(languages[language])

@@ -20,7 +20,6 @@ class C(Backend):
     """Compiled C99, called without a detour through Python where arrays need no conversion."""
 
     name = "c"
-    language = "c"
     reserved = c_text.RESERVED
 
     def emit(self, program: Program) -> dict[str, str]:

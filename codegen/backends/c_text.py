@@ -117,45 +117,56 @@ SCALARS: dict[str, dict[str, Any]] = {
 
 def emit(program: Program) -> dict[str, str]:
     """Return the texts of ``<name>.c`` and ``<name>.h``, by file name."""
-    header = f"{program.name}.h"
-    routines = [_Emission(program, routine).holes() for routine in program.routines]
-    scalar = SCALARS[program.scalar]
-    f = suffix(program)
-    constants = [(name, literal(value, f)) for name, value in scalar["constants"].items()]
-    common = {
-        "header": header,
-        "routines": routines,
-        "fault": f"const char *{program.name}_fault(void)",
-    }
+    return {f"{program.name}.c": source(program), f"{program.name}.h": _header(program)}
+
+
+def source(program: Program, *, batch: bool = True, sincos: str = "", data: str = "") -> str:
+    """Return the text of ``<name>.c``, which includes ``<name>.h``.
+
+    Without ``batch`` there are the functions for one sample only. ``sincos`` is a macro that may
+    name a function to compute sines and cosines with; ``data`` are definitions to be added.
+    """
+    scalar, f = SCALARS[program.scalar], suffix(program)
+    widths = scalar["widths"] if batch else ()
+    return render(
+        "kernel.c.jinja",
+        real=program.scalar,
+        f=f,
+        far=literal(FAR[program.scalar], f),
+        sizes=sorted({2, 4, *widths}),
+        batch=batch,
+        sincos=sincos,
+        data=data,
+        **{
+            **scalar,
+            "constants": [(name, literal(x, f)) for name, x in scalar["constants"].items()],
+            "samples": [literal(angle, f) for angle in scalar["samples"]],
+            "tolerance": literal(scalar["tolerance"], f),
+        },
+        x86=processors.X86,
+        arm=processors.ARM,
+        **described(program),
+    )
+
+
+def _header(program: Program) -> str:
+    """Return the text of ``<name>.h``."""
+    notes = [
+        *conventions(program),
+        "",
+        "No allocation, no state, no locks: safe in real-time loops and several threads.",
+    ]
+    guard = f"{program.name.upper()}_H"
+    return render("kernel.h.jinja", notes=notes, guard=guard, **described(program))
+
+
+def described(program: Program) -> dict[str, Any]:
+    """Return what sources and headers both say."""
     return {
-        f"{program.name}.c": render(
-            "kernel.c.jinja",
-            title=f"{program.name}: dynamics of a robot arm with {program.dof} joints",
-            real=program.scalar,
-            f=f,
-            far=literal(FAR[program.scalar], f),
-            sizes=sorted({2, 4, *scalar["widths"]}),
-            **{
-                **scalar,
-                "constants": constants,
-                "samples": [literal(angle, f) for angle in scalar["samples"]],
-                "tolerance": literal(scalar["tolerance"], f),
-            },
-            x86=processors.X86,
-            arm=processors.ARM,
-            **common,
-        ),
-        header: render(
-            "kernel.h.jinja",
-            title=f"{program.name}: dynamics of a robot arm with {program.dof} joints",
-            notes=[
-                *conventions(program),
-                "",
-                "No allocation, no state, no locks: safe in real-time loops and several threads.",
-            ],
-            guard=f"{program.name.upper()}_H",
-            **common,
-        ),
+        "title": f"{program.name}: dynamics of a robot arm with {program.dof} joints",
+        "header": f"{program.name}.h",
+        "routines": [_Emission(program, routine).holes() for routine in program.routines],
+        "fault": f"const char *{program.name}_fault(void)",
     }
 
 

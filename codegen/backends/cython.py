@@ -25,15 +25,14 @@ if TYPE_CHECKING:
     from moro_codegen.functions.arguments import Argument
     from moro_codegen.program import Program, Routine
 
-#: for the processor at hand, as kernels in C are built; no -std, so that products and sums fuse
-FLAGS = "-O3 -march=native -fno-math-errno -fno-tree-slp-vectorize"
+#: as kernels in C are built, for any processor; no -std, so that products and sums fuse
+FLAGS = "-O3 -fno-math-errno -fno-tree-slp-vectorize"
 
 
 class Cython(Backend):
     """A package that can be installed without moro, and its extension."""
 
     name = "cython"
-    language = "cython"
     #: what Cython and the module call something else, besides the words of C and Python
     reserved = frozenset(
         """
@@ -95,8 +94,11 @@ def package(name: str) -> str:
     return f"{name}_kernel"
 
 
-def emit(program: Program) -> dict[str, str]:
-    """Return the texts of all files, by path in the folder. Raise ValueError for float32."""
+def emit(program: Program, made: Sequence[str] = ()) -> dict[str, str]:
+    """Return the texts of all files, by path in the folder; ``made`` says more of their origin.
+
+    Raise ValueError for float32.
+    """
     if program.scalar != "double":
         raise ValueError("the Cython backend computes in double precision only")
     inside = package(program.name)
@@ -104,8 +106,9 @@ def emit(program: Program) -> dict[str, str]:
         "name": program.name,
         "package": inside,
         "title": f"{program.name}: dynamics of a robot arm with {program.dof} joints",
-        "notes": conventions(program),
+        "notes": [*made, "", *conventions(program)] if made else conventions(program),
         "flags": FLAGS,
+        "tested": bool(made),
         "calls_source": inspect.getsource(calls),
         "routines": [_holes(program, routine) for routine in program.routines],
     }

@@ -45,7 +45,6 @@ class NumPy(Backend):
     """A module that needs no compiler."""
 
     name = "numpy"
-    language = "python"
     reserved = RESERVED | IN_MODULE
 
     def emit(self, program: Program) -> dict[str, str]:
@@ -76,12 +75,12 @@ class NumPy(Backend):
             yield name, s.calls.function(run, "\n".join(docstring(s)))
 
 
-def emit(program: Program) -> dict[str, str]:
-    """Return the text of ``<name>.py``, by file name."""
+def emit(program: Program, made: Sequence[str] = ()) -> dict[str, str]:
+    """Return the text of ``<name>.py``, by file name; ``made`` says more of where it is from."""
     text = render(
         "kernel.py.jinja",
         title=f"{program.name}: dynamics of a robot arm with {program.dof} joints.",
-        notes=conventions(program),
+        notes=[*made, "", *conventions(program)] if made else conventions(program),
         functions=functions(program),
         calls_source=calls_source(),
         signatures=program.signatures,

@@ -165,7 +165,7 @@ class _Fixed(click.ParamType):  # type: ignore[type-arg]
 )
 @click.option(
     "--backend",
-    type=click.Choice(registry.names()),
+    type=click.Choice(registry.BACKENDS.names()),
     default="c",
     show_default=True,
     help="Compiled C, a Cython extension, or a Python module with NumPy, which needs no compiler.",
@@ -178,11 +178,24 @@ class _Fixed(click.ParamType):  # type: ignore[type-arg]
     help="What the kernel computes with; float is single precision, not with cython.",
 )
 @click.option(
-    "--emit",
-    "languages",
-    type=_Names(registry.languages()),
-    default=(),
-    help="Sources to write besides: c, cython (a package that pip installs without moro), python.",
+    "--export",
+    "folder",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Folder to write sources to, besides, that are built and used without moro: one in it "
+    "for each target.",
+)
+@click.option(
+    "--target",
+    "targets",
+    type=_Names(registry.TARGETS.names()),
+    default="c",
+    show_default=True,
+    help=f"What to export, with commas in between: {', '.join(registry.TARGETS.names())}.",
+)
+@click.option("--batch", is_flag=True, help="Of exports in C: functions for many states, too.")
+@click.option(
+    "--prefix",
+    help="Of exports: how files and functions begin, in place of the robot's name.",
 )
 @click.option(
     "--arch",
@@ -219,7 +232,10 @@ def main(
     output: Path,
     backend: str,
     scalar: str,
-    languages: tuple[str, ...],
+    folder: Path | None,
+    targets: tuple[str, ...],
+    batch: bool,
+    prefix: str | None,
     arch: str,
     as_json: bool,
     no_benchmark: bool,
@@ -233,6 +249,8 @@ def main(
     BUILD/NAME/ gets the C source, its header, the shared library and a manifest.
     """
     try:
+        if folder is None and (batch or prefix or _is_given("targets")):
+            raise ValueError("--target, --batch and --prefix are of an export: add --export DIR")
         part = {"root": root, "tip": tip, "fix": dict(fix), "as_written": as_written}
         if saved is not None:
             save(robot, part, saved)
@@ -240,11 +258,12 @@ def main(
             sys.exit(0)
         arm, source = read(robot, part)
         # what follows needs SymPy and NumPy; a file that is refused does not
-        from moro_codegen.cli.job import Order, run
+        from moro_codegen.cli.job import Exports, Order, run
         from moro_codegen.cli.json_document import document
         from moro_codegen.cli.table import show
 
-        order = Order(functions, output, backend, scalar, languages, arch, not no_benchmark)
+        export = None if folder is None else Exports(folder, targets, batch, prefix, robot)
+        order = Order(functions, output, backend, scalar, export, arch, not no_benchmark)
         outcome = run(arm, order, source)
         if as_json:
             click.echo(document(outcome))
@@ -257,6 +276,11 @@ def main(
         click.echo(f"moro-codegen: error: {_message(error)}", err=True)
         sys.exit(2)
     sys.exit(0 if outcome.verification.passed else 1)
+
+
+def _is_given(name: str) -> bool:
+    source = click.get_current_context().get_parameter_source(name)
+    return source is click.core.ParameterSource.COMMANDLINE
 
 
 def _clear_cache(context: click.Context) -> None:

@@ -12,11 +12,24 @@ from typing import Any
 
 from moro import Robot
 from moro_codegen.benchmark import LAMBDIFY_TERMS, Timing, lambdify_tau, time_function, time_tau
+from moro_codegen.exported import written
 from moro_codegen.kernel.kernel import Kernel
 from moro_codegen.pipeline import built, compile
 from moro_codegen.program import generate
 from moro_codegen.progress import shown, tell
 from moro_codegen.proof.verification import SymbolicRoute, Verification, verify
+
+
+@dataclass(frozen=True)
+class Exports:
+    """What to write for places without moro, and where to."""
+
+    folder: Path
+    targets: tuple[str, ...]
+    batch: bool
+    prefix: str | None
+    #: the robot's file or name
+    loaded: str
 
 
 @dataclass(frozen=True)
@@ -27,7 +40,7 @@ class Order:
     output: Path
     backend: Any
     scalar: Any
-    languages: Any
+    exports: Exports | None
     arch: str
     benchmark: bool
 
@@ -45,12 +58,18 @@ class Outcome:
     timings: tuple[Timing, ...]
     #: operations without friction and rotor inertia, of the one function of an arm that has them
     rigid: Mapping[str, int] | None
+    #: the folders of what was exported, nothing unless the kernel is right
+    exported: tuple[Path, ...]
 
     @property
     def files(self) -> list[str]:
         """What lies in the kernel's folder; folders end with a slash."""
-        paths = self.kernel.directory.iterdir()
-        return sorted(path.name + "/" * path.is_dir() for path in paths)
+        return files(self.kernel.directory)
+
+
+def files(folder: Path) -> list[str]:
+    """Return what lies in a folder; folders end with a slash."""
+    return sorted(path.name + "/" * path.is_dir() for path in folder.iterdir())
 
 
 @shown()
@@ -63,8 +82,21 @@ def run(robot: Robot, order: Order, source: Mapping[str, Any]) -> Outcome:
     kernel = _built(robot, order, source, times)
     with _timed(times, "verify"):
         verification = verify(kernel, robot, route=route)
-    timings = _timings(kernel, robot, route) if order.benchmark else []
-    return Outcome(robot, kernel, route, verification, times, tuple(timings), _rigid(robot, order))
+    exported = _exported(robot, order, route) if verification.passed else ()
+    timings = tuple(_timings(kernel, robot, route)) if order.benchmark else ()
+    rigid = _rigid(robot, order)
+    return Outcome(robot, kernel, route, verification, times, timings, rigid, exported)
+
+
+def _exported(robot: Robot, order: Order, route: SymbolicRoute) -> tuple[Path, ...]:
+    """Export what was asked for."""
+    asked = order.exports
+    if asked is None:
+        return ()
+    return written(
+        robot, asked.folder, asked.targets, order.functions, order.scalar, batch=asked.batch,
+        prefix=asked.prefix, loaded=Path(asked.loaded).name, route=route,
+    )  # fmt: skip
 
 
 @contextmanager
@@ -85,7 +117,6 @@ def _built(
         order.backend,
         dtype=order.scalar,
         arch=order.arch,
-        languages=order.languages,
         source=source,
     )
     times["generate"] = kernel.timings["generate"] + kernel.timings["emit"]

@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from moro_codegen.benchmark import BATCH
-from moro_codegen.cli.job import Outcome
+from moro_codegen.cli.job import Outcome, files
 
 
 def document(outcome: Outcome) -> str:
@@ -21,6 +21,7 @@ def document(outcome: Outcome) -> str:
         "name": kernel.name,
         "directory": str(kernel.directory),
         "files": outcome.files,
+        "exported": {str(folder): files(folder) for folder in outcome.exported},
         "backend": kernel.backend,
         "scalar": kernel.manifest["scalar"],
         "joints": kernel.dof,

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from moro import Robot
 from moro_codegen.benchmark import BATCH
-from moro_codegen.cli.job import Outcome
+from moro_codegen.cli.job import Outcome, files
 
 #: spaces between columns
 GAP = " " * 3
@@ -54,7 +54,9 @@ def show(outcome: Outcome) -> None:
             console.print(line, soft_wrap=True)
         if outcome.timings:
             console.print(f"(one call from Python; in a batch of {BATCH}, per sample)", style="dim")
-    console.print(f"\n{_shown(kernel.directory)}: {', '.join(outcome.files)}", soft_wrap=True)
+    console.print()
+    for folder in (kernel.directory, *outcome.exported):
+        console.print(f"{_shown(folder)}: {', '.join(files(folder))}", soft_wrap=True)
 
 
 def _laid_out(row: TableRow, what: int, value: int, room: int | None) -> Text:

@@ -26,6 +26,15 @@ def c_comment(line: str) -> str:
     return f"{line} " if line.endswith(("*", "/")) else line
 
 
+def c_string(text: str) -> str:
+    """Return text as a string literal of C: its UTF-8, byte by byte where it is not plain."""
+    plain = "".join(
+        chr(x) if 32 <= x < 127 and chr(x) not in '"\\?' else f"\\{x:03o}"
+        for x in text.encode("utf-8", "backslashreplace")
+    )
+    return f'"{plain}"'
+
+
 def python_docstring(line: str) -> str:
     """Return a line for a docstring between ``\"\"\"``, which reads as the line itself."""
     line = printable(line).replace("\\", "\\\\")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import jinja2
@@ -27,5 +27,10 @@ def _environment() -> jinja2.Environment:
         autoescape=False,  # noqa: S701 - C and Python, not HTML
     )
     environment.globals["version"] = moro.__version__
-    environment.filters |= {"c_comment": c_comment, "docstring": python_docstring, "python": repr}
+    environment.filters |= {
+        "c_comment": c_comment,
+        "docstring": python_docstring,
+        "python": repr,
+        "zip": partial(zip, strict=True),
+    }
     return environment

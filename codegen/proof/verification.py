@@ -223,9 +223,9 @@ def verify(
     rng = np.random.default_rng(seed)
     route = route or SymbolicRoute(model)
     dtype = next(s.dtype for s in kernel.signatures.values())
-    state = [_rounded(x, dtype) for x in _states(model, states, rng)]
+    state = [rounded(x, dtype) for x in states_of(model, states, rng)]
     values = parameter_values(model, rng)
-    parameters = {symbol: float(_rounded(value, dtype)) for symbol, value in values.items()}
+    parameters = {symbol: float(rounded(value, dtype)) for symbol, value in values.items()}
     total = len(state[0])
     chosen = spread(total, route.affordable(state[0], parameters, STATES_LIMIT))
     q, qd, qdd = (x[chosen] for x in state)
@@ -239,7 +239,7 @@ def verify(
         with np.errstate(all="ignore"):  # what is infinite or NaN shows in the errors
             for part, results in _results(kernel, name, expected):
                 if part.name in CHECKS:
-                    pairs += CHECKS[part.name](expected, *_frame(part, model), *results)
+                    pairs += CHECKS[part.name](expected, *frame_of(part, model), *results)
                     inverting |= part.name in INVERTING
                 elif part.name in own:
                     pairs += _by_expression(own[part.name], kernel, expected, results)
@@ -285,7 +285,7 @@ def _results(kernel: Kernel, name: str, x: ExpectedDynamics) -> Iterator[tuple[P
     inputs = {"q": x.q, "qd": x.qd, "qdd": x.qdd}
     if any(a.name == "tau" for a in signature.given):
         inputs["tau"] = x.tau
-    parameters = for_kernel(kernel, x.parameters) or None
+    parameters = for_kernel(kernel.parameters, x.parameters) or None
     found = getattr(kernel, name)(
         *[inputs.get(a.name, WRENCH) for a in signature.given], parameters
     )
@@ -294,7 +294,7 @@ def _results(kernel: Kernel, name: str, x: ExpectedDynamics) -> Iterator[tuple[P
         yield part, [next(results) for _ in range(part.outputs)]
 
 
-def _frame(part: Part, model: Model) -> list[Frame]:
+def frame_of(part: Part, model: Model) -> list[Frame]:
     """Return the frame that a function is of, if it is of any."""
     if KNOWN[part.name].frame is None:
         return []
@@ -305,35 +305,49 @@ def _by_expression(
     function: UserFunction, kernel: Kernel, x: ExpectedDynamics, found: Sequence[Array]
 ) -> Pairs:
     """Yield the results of a function of the user's own with the values of its expressions."""
-    scope = Scope.of(x.model, function.parameters, function.name)
-    used = Formula.of(function.name, function.results, scope).used
-    motion = {"q": x.q, "qd": x.qd, "qdd": x.qdd}
-    values = {s: motion[a][:, i] for s, (a, i) in scope.motion.items() if s in used}
-    parameters = for_kernel(kernel, x.parameters)
-    values |= {s: parameters[str(s)] for s in scope.parameters if s in used}
-    for result, array in zip(function.results, found, strict=True):
-        expected = evaluated(result.entries, values, len(x.q)).reshape(-1, *result.shape)
+    parameters = for_kernel(kernel.parameters, x.parameters)
+    for array, expected in zip(found, by_expression(function, x, parameters), strict=True):
         undefined = np.isnan(array) & np.isnan(expected)  # a root of what is negative at a state
         yield Pair(np.where(undefined, 0, array), np.where(undefined, 0, expected))
 
 
-def _rounded(numbers: Any, dtype: str) -> Array:
+def by_expression(
+    function: UserFunction, x: ExpectedDynamics, parameters: Mapping[str, float]
+) -> list[Array]:
+    """Return the values of the expressions of a function of the user's own, states first."""
+    scope = Scope.of(x.model, function.parameters, function.name)
+    used = Formula.of(function.name, function.results, scope).used
+    motion = {"q": x.q, "qd": x.qd, "qdd": x.qdd}
+    values = {s: motion[a][:, i] for s, (a, i) in scope.motion.items() if s in used}
+    values |= {s: parameters[str(s)] for s in scope.parameters if s in used}
+    return [
+        evaluated(result.entries, values, len(x.q)).reshape(-1, *result.shape)
+        for result in function.results
+    ]
+
+
+def rounded(numbers: Any, dtype: str) -> Array:
     """Return numbers as doubles that the type holds exactly."""
     return np.asarray(numbers).astype(dtype).astype(float)
 
 
 def _errors(pair: Pair) -> Array:
     """Return the errors of all states."""
+    scale = np.maximum(scales(pair.expected), pair.size)
     axes = tuple(range(1, pair.expected.ndim))
-    largest = np.max(np.abs(pair.expected), axis=axes)
-    # where everything must be zero, errors are absolute
-    scale = np.maximum(largest, FLOOR * float(np.max(largest, initial=0)) or 1.0)
-    apart = np.max(np.abs(pair.found - pair.expected), axis=axes)
-    errors: Array = apart / np.maximum(scale, pair.size)
+    errors: Array = np.max(np.abs(pair.found - pair.expected), axis=axes) / scale
     return errors
 
 
-def _states(model: Model, states: int, rng: np.random.Generator) -> tuple[Array, Array, Array]:
+def scales(expected: Array) -> Array:
+    """Return for each state what errors of its results are relative to: the largest component."""
+    largest = np.max(np.abs(expected), axis=tuple(range(1, expected.ndim)))
+    # where everything must be zero, errors are absolute
+    scale: Array = np.maximum(largest, FLOOR * float(np.max(largest, initial=0)) or 1.0)
+    return scale
+
+
+def states_of(model: Model, states: int, rng: np.random.Generator) -> tuple[Array, Array, Array]:
     """Return states that the robot can be in: random ones first, then awkward ones."""
     n, some = model.nv, states // 8
     limits = np.array(model.ranges, dtype=float)
@@ -399,8 +413,9 @@ def _divided_by_zero(model: Model, values: Mapping[Any, Any]) -> set[Any]:
     return free
 
 
-def for_kernel(kernel: Kernel, values: Mapping[Any, float]) -> dict[str, float]:
+def for_kernel(
+    defaults: Mapping[str, float | None], values: Mapping[Any, float]
+) -> dict[str, float]:
     """Return a value by name for each of a kernel's parameters: those of the robot, defaults, 1."""
     known = {str(symbol): value for symbol, value in values.items()}
-    defaults = {name: 1.0 if x is None else x for name, x in kernel.parameters.items()}
-    return {name: known.get(name, default) for name, default in defaults.items()}
+    return {name: known.get(name, 1.0 if x is None else x) for name, x in defaults.items()}

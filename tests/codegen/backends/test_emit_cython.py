@@ -3,11 +3,10 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import EVERYTHING, PARAMETERS, everything_program, program, vector
+from programs import EVERYTHING, PARAMETERS, everything_program, files, program, vector
 
 import moro_codegen as mc
 from moro_codegen.backends import extension
@@ -15,7 +14,7 @@ from moro_codegen.backends.cython import emit
 from moro_codegen.backends.toolchain import ToolchainError, find_compiler
 from moro_codegen.functions.arguments import Argument
 from moro_codegen.functions.catalogue import Function
-from moro_codegen.pipeline import build, sources
+from moro_codegen.pipeline import build
 
 MATRIX = Function(
     "of_a_matrix",
@@ -201,17 +200,7 @@ def test_a_failing_compiler_shows_its_own_words(monkeypatch, tmp_path):
     assert not (tmp_path / "build" / "arm").exists()
 
 
-def test_sources_of_several_languages(tmp_path):
-    texts = sources(everything_program(), "numpy", ("c", "python", "cython")).values()
-    assert [path for written in texts for path in written][:3] == [
-        "all_ops.py",
-        "all_ops.c",
-        "all_ops.h",
-    ]
-    kernel = build(everything_program(), tmp_path / "arm", "numpy", languages=("cython",))
-    assert (tmp_path / "arm" / "all_ops_cython" / "setup.py").is_file()
-    assert not kernel.reused
+def test_another_kernel_takes_its_place(tmp_path):
+    build(everything_program(), tmp_path / "arm", "cython")
     build(everything_program(), tmp_path / "arm", "numpy")
-    assert {p.name for p in Path(tmp_path / "arm").iterdir()} == {"all_ops.py", "manifest.json"}
-    with pytest.raises(ValueError, match='languages are "c", "cython" or "python"'):
-        sources(everything_program(), "c", ("fortran",))
+    assert files(tmp_path / "arm") == ["all_ops.py", "manifest.json"]

@@ -71,9 +71,9 @@ def test_run_time_parameters_are_listed(tmp_path):
     assert "parameters               1   m" in done.stdout
 
 
-def test_functions_and_languages(tmp_path):
+def test_functions(tmp_path):
     functions = "tau, inertia_matrix,tau+inertia_matrix,tau_derivatives"
-    done = run("two_link", "--functions", functions, "--emit", "python,cython", cwd=tmp_path)
+    done = run("two_link", "--functions", functions, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     for row in (
         "two_link: tau(q, qd, qdd), inertia_matrix(q), tau_inertia_matrix(q, qd, qdd)",
@@ -83,13 +83,12 @@ def test_functions_and_languages(tmp_path):
         "verified: 84 states",
         "one call of tau from Python",
         "in a batch of 4096, per sample",
-        "libtwo_link.so, manifest.json, two_link.c, two_link.h, two_link.py, two_link_cython/",
+        "libtwo_link.so, manifest.json, two_link.c, two_link.h",
     ):
         assert row in done.stdout
     kernel = Kernel(tmp_path / "build" / "two_link")
     tau, M = kernel.tau_inertia_matrix([1, 2], [0, 0], [1, 0])
     assert tau == pytest.approx(M[:, 0] + kernel.tau([1, 2], [0, 0], [0, 0]), rel=1e-13)
-    assert (tmp_path / "build/two_link/two_link_cython/two_link_kernel/functions.pyx").is_file()
     again = run("two_link", "-f", "tau", "--no-benchmark", cwd=tmp_path)
     assert "operations   " in again.stdout
     assert {path.name for path in (tmp_path / "build/two_link").iterdir()} == {
@@ -130,7 +129,7 @@ def test_single_precision(tmp_path):
     refused(run("two_link", "--scalar", "half", cwd=tmp_path), "'half'", "double", "float")
 
 
-def test_unknown_functions_and_languages(tmp_path):
+def test_unknown_functions_and_targets(tmp_path):
     refused(
         run("two_link", "-f", "tau,inertia_matrx", cwd=tmp_path),
         "no 'inertia_matrx'; did you mean 'inertia_matrix'? there are tau, ",
@@ -140,7 +139,10 @@ def test_unknown_functions_and_languages(tmp_path):
     refused(run("two_link", "-f", "tau+tau", cwd=tmp_path), "tau is asked for twice in tau+tau")
     refused(run("two_link", "-f", "jacobian@hand", cwd=tmp_path), "no frame is called 'hand'")
     refused(run("two_link", "-f", "jacobin@1", cwd=tmp_path), "no 'jacobin'; did you mean")
-    refused(run("two_link", "--emit", "c,pyton", cwd=tmp_path), "did you mean 'python'?")
+    export = ("two_link", "--export", "out", "--target")
+    refused(run(*export, "c,pyton", cwd=tmp_path), "did you mean 'python'?")
+    refused(run("two_link", "--target", "c", cwd=tmp_path), "add --export DIR")
+    refused(run("two_link", "--batch", cwd=tmp_path), "add --export DIR")
     refused(run("ur5", "-f", "forward_dynamics", cwd=tmp_path), "no inertia resists joint 6")
     assert not (tmp_path / "build").exists()
 
@@ -169,7 +171,8 @@ def test_help_explains_itself(tmp_path):
         "--output",
         "--backend",
         "--scalar",
-        "--emit",
+        "--export",
+        "--target",
         "Exit code",
         "manifest",
     )
