@@ -58,7 +58,8 @@ ROOMS = {
     "moro": "late abc spatial model checks scalars closed_form algorithms printing identification "
     "formats mechanics report robot io core",
     "moro_codegen": "registry progress waiting calls graph passes functions signature program emit "
-    "backends kernel proof lambdified pipeline targets exported installation benchmark cli __main__",
+    "backends kernel proof lambdified pipeline targets exported installation benchmark cli "
+    "__main__",
 }
 
 

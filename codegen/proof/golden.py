@@ -92,9 +92,10 @@ def golden_states(
     """
     rng = np.random.default_rng(0)
     dtype = program.signatures[0].dtype
-    state = [rounded(x, dtype) for x in states_of(model, STATES, rng)]
+    q, qd, qdd = (rounded(x, dtype) for x in states_of(model, STATES, rng))
     values = {s: float(rounded(x, dtype)) for s, x in parameter_values(model, rng).items()}
-    x = _AtAll(route or SymbolicRoute(model), *state, values, float(np.finfo(dtype).eps))
+    rounding = float(np.finfo(dtype).eps)
+    x = _AtAll(route or SymbolicRoute(model), q, qd, qdd, values, rounding)
     work = _Work(x, {p.name: p.default for p in program.parameters}, {f.name: f for f in functions})
     found = tuple(work.function(signature) for signature in program.signatures)
     tolerance = TOLERANCE if dtype == "float64" else TOLERANCES[dtype]
@@ -143,7 +144,7 @@ class _AtAll(ExpectedDynamics):
     """Derivatives too are evaluated at all states, however long it takes: the same every time."""
 
     @property
-    def few(self) -> NDArray[np.int_]:  # type: ignore[override]
+    def few(self) -> NDArray[np.int_]:
         """All states."""
         return np.arange(len(self.q))
 
@@ -234,11 +235,10 @@ def _inverted(
     """
     units = np.sqrt(np.diagonal(x.M, axis1=1, axis2=2))
     condition = np.linalg.cond(x.M / units[:, :, np.newaxis] / units[:, np.newaxis, :])
-    if name == "forward_dynamics":
-        expected = [x.qdd]
-    else:
-        slopes = [-np.linalg.solve(x.M, slope) for slope in x.tau_slopes]
-        expected = [*slopes, np.linalg.inv(x.M)]
+    expected: list[Array] = [x.qdd]
+    if name != "forward_dynamics":
+        expected = [-np.linalg.solve(x.M, slope) for slope in x.tau_slopes]
+        expected.append(np.linalg.inv(x.M))
     found = list[GoldenResult | None]()
     for a, values in zip(arguments, expected, strict=True):
         rows = values.reshape(*units.shape, -1)

@@ -24,10 +24,7 @@ FLOAT = tuple(name for name in ALL if name != "cython")
 
 
 def test_the_same_bytes_every_time(tmp_path):
-    program = (
-        "import moro, moro_codegen as mc\n"
-        f"mc.export(moro.load('two_link'), 'out', {ALL})"
-    )
+    program = f"import moro, moro_codegen as mc\nmc.export(moro.load('two_link'), 'out', {ALL})"
     subprocess.run(
         [sys.executable, "-c", program], cwd=tmp_path, check=True,
         env=os.environ | {"PYTHONHASHSEED": "7"},
