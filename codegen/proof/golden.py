@@ -235,7 +235,7 @@ def _inverted(
     """
     units = np.sqrt(np.diagonal(x.M, axis1=1, axis2=2))
     condition = np.linalg.cond(x.M / units[:, :, np.newaxis] / units[:, np.newaxis, :])
-    expected: list[Array] = [x.qdd]
+    expected: list[NDArray[Any]] = [x.qdd]
     if name != "forward_dynamics":
         expected = [-np.linalg.solve(x.M, slope) for slope in x.tau_slopes]
         expected.append(np.linalg.inv(x.M))
