@@ -145,8 +145,8 @@ class Peer:
             base = _pose(d.body(self.root))
         found = {}
         for kind, count, jacobian in (
-            ("site", m.nsite, mujoco.mj_jacSite),
             ("body", m.nbody, mujoco.mj_jacBody),
+            ("site", m.nsite, mujoco.mj_jacSite),
         ):
             for k in range(count):
                 jacp, jacr = np.zeros((2, 3, m.nv))
@@ -154,6 +154,7 @@ class Peer:
                 turned = np.vstack([base[:3, :3].T @ jacp, base[:3, :3].T @ jacr])
                 place = getattr(d, kind)(k)
                 name = getattr(m, kind)(k).name
+                name += "_site" * (name in found)
                 found[name] = np.linalg.inv(base) @ _pose(place), turned @ self.A
         return found
 

@@ -1,10 +1,14 @@
 """Small MJCFs for tests."""
 
+import mujoco
+
 import moro as mr
 import moro_codegen as mc
 from benchmarks import survey
 from benchmarks.mjcf_survey import Peer
 
+#: actuators have armature from MuJoCo 4 on, and principal axes are right to more than 7 digits
+IS_4 = int(mujoco.__version__.partition(".")[0]) >= 4
 BALL = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
 
 

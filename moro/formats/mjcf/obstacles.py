@@ -165,8 +165,7 @@ def _tie(mujoco: Any, spec: Any, equality: Any, tree: Tree) -> None:
         tree.add(equality, of, "it holds the length of a tendon", links, joints)
         return
     if equality.type not in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
-        tree.add(equality, of, _FLEX, ())
-        return
+        return  # of what is deformable, which is kept anyway
     names = [equality.name1, equality.name2 or "world"]
     if equality.objtype == mujoco.mjtObj.mjOBJ_SITE:
         on = {site.name: body for body in spec.bodies for site in body.sites}
@@ -197,7 +196,8 @@ def forces(mujoco: Any, spec: Any, tree: Tree) -> None:
             message = f"its {' and '.join(acts)} act on several joints at once, which is not read"
             tree.add(tendon, f"tendon {tendon.name}".strip(), message, links, joints)
     for flex in spec.flexes:
-        tree.add(flex, f"flex {flex.name}", _FLEX, ())
+        links = list(dict.fromkeys([*flex.vertbody, *flex.nodebody]))
+        tree.add(flex, f"flex {flex.name}", _FLEX, links)
     for body in spec.bodies:
         if body.plugin.active:
             message = f"its plugin {body.plugin.plugin_name} acts on it in ways that are not read"

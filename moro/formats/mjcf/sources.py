@@ -15,6 +15,8 @@ from moro.formats.xml import MAX_SIZE, DocumentError, Element, parse
 KINDS = (".xml", ".mjcf")
 #: elements of a model, after what is to be repeated has been
 _MOST = 100_000
+#: values of a user, points along a generated shape
+_MOST_OF_ONE = 10_000
 #: elements that name files of XML: what MuJoCo reads in their place
 _INCLUDE, _MODEL = "include", "model"
 _AT_MOST = "a robot takes some hundred kB: shapes belong in files of their own"
@@ -68,14 +70,20 @@ def _too_much(top: Element) -> Iterator[Problem]:
         yield Problem(top.line, "", message)
     for element in top.walk():
         for key, text in element.attributes.items():
-            if key.startswith("nuser_") and len(text.strip()) > 4:
+            counts = key.startswith("nuser_") or (key == "params" and element.tag == "mesh")
+            if counts and any(x > _MOST_OF_ONE for x in _numbers(text)):
                 yield Problem(element.line, f"<{element.tag} {key}>", f"{text[:40]} is too much")
 
 
 def _size(element: Element) -> float:
     """Return how many elements one becomes, by its counts and those of what is in it."""
-    try:
-        counts = [abs(float(x)) for x in element.attributes.get("count", "1").split()]
-    except ValueError:
-        counts = []  # which MuJoCo will say
+    counts = _numbers(element.attributes.get("count", "1"))
     return math.prod(counts) * (1 + sum(map(_size, element.children)))
+
+
+def _numbers(text: str) -> list[float]:
+    """Return the sizes of numbers; what is none is for MuJoCo to say."""
+    try:
+        return [abs(float(x)) for x in text.split()]
+    except ValueError:
+        return []

@@ -90,11 +90,12 @@ class Meaning:
         """Return a direction of any length, given one of length 1 and how the file has it."""
         length = float(np.linalg.norm(said))
         is_said = length > 0 and is_same(found, np.asarray(said) / length)
-        texts = [repr(float(x)) for x in (said if is_said else found)]
-        components = [x for x in map(decimals.number, texts) if isinstance(x, decimals.Number)]
+        text = _text(said if is_said else found)
+        read = map(decimals.number, text.split())
+        components = [x for x in read if isinstance(x, decimals.Number)]
         (x, y, z), is_meant = decimals.direction(components, self.as_written)
         if is_meant and is_said:
-            self.meant[" ".join(texts)] = f"({x}, {y}, {z})"
+            self.meant[text] = f"({x}, {y}, {z})"
         return sp.sympify(x), sp.sympify(y), sp.sympify(z)
 
     def rotation(self, found: Any, said: Said) -> tuple[Step, ...]:
@@ -128,14 +129,18 @@ class Said:
         q = np.array([float(x) for x in components])
         if not (length := np.linalg.norm(q)) or not is_same(q / length, found):
             return cls()
-        text = " ".join(f"{x:g}" if x == round(x) else repr(float(x)) for x in q)
-        return cls(tuple(map(float, q)), _rounded(q, _PER_COMPONENT), text)
+        return cls(tuple(map(float, q)), _rounded(q, _PER_COMPONENT), _text(q))
 
     @classmethod
     def by_angles(cls, angles: Any) -> Said:
         """Return what is said by angles [rad]."""
         found = [float(x) for x in angles]
-        return cls(None, _rounded(found, 1), " ".join(map(repr, found)))
+        return cls(None, _rounded(found, 1), _text(found))
+
+
+def _text(said: Any) -> str:
+    """Return numbers as a file has them."""
+    return " ".join(repr(float(x)).removesuffix(".0") for x in said)
 
 
 def _rounded(said: Any, factor: float) -> Callable[[bool], float]:

@@ -5,11 +5,10 @@ import re
 import subprocess
 import sys
 
-import mujoco
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mjcfs import BALL, body, inertial, joint, loaded, robot, written
+from mjcfs import BALL, IS_4, body, inertial, joint, loaded, robot, written
 
 import moro as mr
 from moro.formats.errors import RobotFileError
@@ -92,7 +91,17 @@ def test_an_object_that_is_held_is_no_object(tmp_path):
         loaded(tmp_path, cube)
 
 
-@pytest.mark.skipif(mujoco.__version__ < "4", reason="MuJoCo 4 brought them")
+def test_what_is_deformable_is_refused_unless_it_is_cut(tmp_path):
+    rope = (
+        '<flexcomp name="rope" type="grid" count="4 1 1" spacing="0.2 0.2 0.2" dim="1" mass="1"'
+        ' radius="0.01"><edge equality="true"/></flexcomp>'
+    )
+    with pytest.raises(RobotFileError, match=r"flex rope: is deformable"):
+        loaded(tmp_path, ARM, rope)
+    assert loaded(tmp_path, ARM, rope, root="a")[0].joint_names == ["q2"]
+
+
+@pytest.mark.skipif(not IS_4, reason="MuJoCo 4 brought them")
 @pytest.mark.parametrize(
     ("more", "message"),
     [
@@ -149,6 +158,10 @@ def test_a_shape_that_is_missing_and_gives_an_inertia(tmp_path):
         (
             robot(ARM, rest='<size nuser_body="1000000000"/>'),
             r"<size nuser_body>: 10000.* too much",
+        ),
+        (
+            robot(ARM, rest='<asset><mesh builtin="supersphere" params="1e6 1 1"/></asset>'),
+            "<mesh params>: 1e6 1 1 is too much",
         ),
         ("<mujoco>" + "<a>" * 200, "more than 100 elements in one another"),
     ],
