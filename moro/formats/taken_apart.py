@@ -12,8 +12,8 @@ from moro.model.placement import Step
 def taken_apart(model: Model) -> Assembly:
     """Return links, one for each joint, whose ``model()`` this is; frames are links that are fixed.
 
-    A link's frame is the one that has its number, as those of rows of DH parameters do; else one of
-    its frames that is the joint's, by whose name it is called; else that of the joint itself.
+    A link's frame is the one that has its number, as those of rows of DH parameters do, or else
+    that of the joint. If another frame is there, the link is called by its name.
     """
     own = [_own_frame(model, i) for i in range(len(model.joints))]
     names: list[str | None] = [frame.name for frame in own]
@@ -46,11 +46,11 @@ def taken_apart(model: Model) -> Assembly:
 
 
 def _own_frame(model: Model, i: int) -> Frame:
-    number = Frame(str(i + 1), i, Placement())
     there = [frame for frame in model.frames if frame.link == i]
-    at_joint = (x for x in there if not x.placement.steps or not joined(x.placement.steps))
-    numbered = next((x for x in there if x.name == number.name), None)
-    return numbered or next((x for x in at_joint if not x.name.isdigit()), number)
+    own = next((x for x in there if x.name == str(i + 1)), Frame(str(i + 1), i, Placement()))
+    place = joined(own.placement.steps)
+    called = (x for x in there if not x.name.isdigit() and joined(x.placement.steps) == place)
+    return next(called, own)
 
 
 def _parent(names: list[str | None], i: int) -> str | None:

@@ -49,6 +49,9 @@ class Arm:
     coulomb_friction: tuple[tuple[Any, Any], ...] | None = None
     #: None for joints without
     joint_limits: tuple[tuple[Any, Any] | None, ...] | None = None
+    #: of the rows, "" where they have none; or of none
+    link_names: tuple[str, ...] = ()
+    joint_names: tuple[str, ...] = ()
 
     @property
     def variables(self) -> dict[Any, int]:

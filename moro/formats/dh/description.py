@@ -39,6 +39,8 @@ class Description(Source):
         self._rows = read_rows(self._rows_as_given)
         #: what was set, as it was given; the fields below hold it in exact values
         self._as_set: dict[str, Any] = {}
+        #: of links and of joints, if any
+        self._names: tuple[tuple[str, ...], tuple[str, ...]] = ((), ())
         self._remarked: dict[Remark, None] = {}
         self._masses: tuple[Any, ...] | None = None
         self._cm_positions: tuple[tuple[Any, ...], ...] | None = None
@@ -67,6 +69,7 @@ class Description(Source):
             for name in QUANTITIES:
                 if (values := getattr(arm, name)) is not None:
                     new._set(name, values, values)
+        new._names = arm.link_names, arm.joint_names
         new.declare(defaults)
         return new
 
@@ -249,6 +252,7 @@ class Description(Source):
             self._viscous_friction,
             self._coulomb_friction,
             self._joint_limits,
+            *self._names,
         )
 
     def given(self, name: str) -> Any:
@@ -356,6 +360,7 @@ class Description(Source):
             for name, value in self._as_set.items():
                 if value is not None:
                     setattr(new, name, put(value))
+        new._names = self._names
         new._remarked = self._remarked
         new._remark()
         new._assumed = self._assumed

@@ -42,8 +42,8 @@ _ZERO = sp.Integer(0)
 def model_from_dh(name: str, arm: Arm, defaults: Mapping[Any, Any]) -> Model:
     """Return the tree that the algorithms read, with the arm's own SymPy scalars.
 
-    What is not set is zero. Frames are called 1, 2, .. n. ``defaults`` are those of all symbols of
-    the arm (None: no default).
+    What is not set is zero. Frames are called 1, 2, .. n; before them come those with the names of
+    links. ``defaults`` are those of all symbols of the arm (None: no default).
     """
     where = meanings(arm)
     gx, gy, gz = arm.gravity or (_ZERO,) * 3
@@ -52,12 +52,20 @@ def model_from_dh(name: str, arm: Arm, defaults: Mapping[Any, Any]) -> Model:
         tuple(_joint(arm, i) for i in range(len(arm.rows))),
         tuple(_body(arm, i) for i in range(len(arm.rows))),
         (gx, gy, gz),
-        tuple(Frame(str(i + 1), i, frame_in_link(arm, i)) for i in range(len(arm.rows))),
+        tuple(_frames(arm)),
         tuple(_coordinate(arm, j, q) for j, q in enumerate(arm.variables)),
         tuple(Parameter(s, x, where.get(str(s), "")) for s, x in defaults.items()),
         frozenset(field.name for field in fields(arm) if getattr(arm, field.name) is None),
         arm.convention,
     )
+
+
+def _frames(arm: Arm) -> Iterator[Frame]:
+    for i, name in enumerate(arm.link_names):
+        if name:
+            yield Frame(name, i, frame_in_link(arm, i))
+    for i in range(len(arm.rows)):
+        yield Frame(str(i + 1), i, frame_in_link(arm, i))
 
 
 def frame_in_link(arm: Arm, i: int) -> Placement:
@@ -79,6 +87,7 @@ def _joint(arm: Arm, i: int) -> Joint:
         _by(*steps),
         row.theta if row.type.is_angle else row.d,
         tuple((index[variable], ratio) for variable, ratio in row.terms),
+        arm.joint_names[i] if arm.joint_names else "",
     )
 
 
@@ -90,7 +99,9 @@ def _coordinate(arm: Arm, j: int, variable: Any) -> Coordinate:
         coulomb[j] if coulomb else (_ZERO, _ZERO),
     )
     limits = arm.joint_limits[j] if arm.joint_limits else None
-    return Coordinate(variable, limits, drive)
+    alone = len([i for i in arm.variables.values() if i == arm.variables[variable]]) == 1
+    name = arm.joint_names[arm.variables[variable]] if arm.joint_names and alone else ""
+    return Coordinate(variable, limits, drive, name)
 
 
 def _before(arm: Arm, i: int) -> Iterator[Step]:

@@ -20,7 +20,7 @@ from moro.model import JOINT_TYPES
 
 #: what a link of a bare chain says
 _OF_ROWS = {"joint", "a", "alpha", "d", "theta", "mass", "com", "inertia", "limits"}
-_OF_ROWS |= {"rotor_inertia", "motor_inertia", "gear_ratio", "friction"}
+_OF_ROWS |= {"name", "joint_name", "rotor_inertia", "motor_inertia", "gear_ratio", "friction"}
 _OF_ARMS = {"name", "convention", "gravity", "parameters", "links"}
 
 
@@ -79,8 +79,16 @@ def _arm(file: RobotFile) -> Description:
         _drives(owners, "viscous", "friction"),
         _drives(owners, "coulomb", "friction"),
         _given(link and link.limits for link in owners),
+        _names(link.name for link in links),
+        _names(link.joint_name for link in links),
     )
     return Description.of(arm, file.name, file.parameters)
+
+
+def _names(names: Iterable[str | None]) -> tuple[str, ...]:
+    """Return names, "" where there is none; nothing where there are none at all."""
+    listed = tuple(name or "" for name in names)
+    return listed if any(listed) else ()
 
 
 def _row(link: Link, motion: Moved) -> Row:

@@ -38,7 +38,7 @@ class _Writer:
     def __init__(self, robot: Assembly, model: Model):
         self.model = model
         self.values = Values(parameter.symbol for parameter in model.parameters)
-        links = parents_first(robot.links)
+        links = [link for link in parents_first(robot.links) if not _is_number(link)]
         self.convention = model.convention or _convention(links)
         self.links = [part for link in links for part in _simple(link, self.convention)]
         moving = {q for link in links for m in link.motions for q, r in m.terms if r != 0}
@@ -120,6 +120,8 @@ class _Writer:
             fields["name"] = word(link.name if not link.name.isdigit() else f"link_{link.name}")
         if link.parent != self.last:
             fields["parent"] = self.called[link.parent]
+        if motions and motions[0].name:
+            fields["joint_name"] = word(motions[0].name)
         self.called[link.name] = fields.get("name", own)
         self.last = link.name
         found = row(before, after, bool(motions), self.convention) if self.convention else None
@@ -131,7 +133,7 @@ class _Writer:
         if on := {
             word(x.name): self.placement(x.path) or self.nowhere
             for x in frames
-            if not (x.name == TOOL == self.model.tip.name) and not _is_number(x)
+            if not x.name == TOOL == self.model.tip.name
         }:
             fields["frames"] = on
         return fields | self.drive(motions)
@@ -228,15 +230,11 @@ class _Writer:
         return {name: self.values(x) for name, x in named.items()}
 
     def drive(self, motions: Sequence[Motion]) -> Fields:
-        """Return the name of a joint, and what is said of the coordinate that it has to itself."""
-        if not motions:
+        """Return what is said of the coordinate that a joint has to itself, if it has."""
+        if not motions or len(self.fresh) != 1:
             return {}
-        name = motions[0].name
-        if len(self.fresh) == 1:
-            self.said[self.fresh[0]] = name
-        return ({"joint_name": word(name)} if name else {}) | (
-            self.driven(self.fresh[0]) if len(self.fresh) == 1 else {}
-        )
+        self.said[self.fresh[0]] = motions[0].name
+        return self.driven(self.fresh[0])
 
     def apart(self, q: str) -> Fields:
         """Return what is said of a coordinate, and not where a joint has it to itself."""
@@ -365,7 +363,7 @@ def _turns(motions: Sequence[Motion]) -> bool:
 
 def _is_number(link: Link) -> bool:
     """Whether a link is but the number of its parent, as readers of rows add it."""
-    return link.name.isdigit() and not link.path
+    return link.name.isdigit() and not (link.path or link.bodies) and link.parent is not None
 
 
 def _is_base(link: Link) -> bool:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import moro as mr
 import moro_codegen as mc
@@ -31,3 +32,18 @@ def test_against_reference_numbers(name, tmp_path):
 
 def test_a_palletizer_keeps_its_flange_level():
     assert list(mr.load("palletizer").T[:3, 2]) == [0, 0, 1]
+
+
+@pytest.mark.parametrize("values", [(0, 1.5, 1), sp.symbols("m h J")])
+def test_identified_parameters_of_which_a_mass_is_zero(values, tmp_path):
+    """m = 0 and m r != 0, in numbers and at run time: no division comes of it."""
+    m, h, J = values
+    body = {"mass": m, "first_moment": [h, 0, 0.1], "inertia": {"xx": J, "yy": 2, "zz": 2}}
+    link = {"joint": "revolute", "xyz": [0.5, 0, 0], "axis": "y", "inertia_about": "origin"} | body
+    given = {"parameters": {"m": 0, "h": 1.5, "J": 1}} if m else {}
+    robot = mr.Robot.of({"name": "identified", "links": [link, link], **given})
+    functions = ("tau", "inertia_matrix", "gravity_vector", "regressor")
+    kernel = mc.compile(robot, functions, directory=tmp_path, backend="numpy")
+    assert {name: ops["div"] for name, ops in kernel.ops.items()} == dict.fromkeys(functions, 0)
+    assert mc.verify(kernel, robot).passed
+    assert kernel.gravity_vector([0, 0]).tolist() == pytest.approx([-9.81 * 3, -9.81 * 1.5])

@@ -88,3 +88,45 @@ def test_saved_and_loaded(tmp_path):
     assert same.model() == robot.model()
     assert same.convention == "dh"
     assert same.rotor_inertias == [0, 1, 2, 3]
+
+
+NAMED = """\
+name: named
+convention: dh
+gravity: [0, 0, -9.81]
+links:
+  - joint: revolute
+    name: upper
+    joint_name: shoulder
+    a: 1
+    alpha: pi/2
+    d: 0
+    theta: 0
+  - joint: revolute
+    a: 1
+    alpha: 0
+    d: 0
+    theta: 0
+  - joint: revolute
+    name: hand
+    joint_name: wrist
+    a: 1
+    alpha: 0
+    d: 0
+    theta: -q1 - q2
+"""
+
+
+def test_rows_with_names_stay_rows(tmp_path):
+    (tmp_path / "named.yaml").write_text(NAMED)
+    robot = mr.load(tmp_path / "named.yaml")
+    robot.masses = None  # as of Robot(row, ..)
+    assert robot.convention == "dh"
+    assert robot.joint_names == ["shoulder", "joint2"]
+    assert robot.T_i0("upper") == robot.T_i0(1)
+    assert robot.T_i0("hand") == robot.T
+    assert [x.name for x in robot.model().joints] == ["shoulder", "", "wrist"]
+    again = mr.load(tmp_path / "named.yaml")
+    again.save(tmp_path / "again.yaml")
+    assert (tmp_path / "again.yaml").read_text() == NAMED
+    assert robot.with_parameters({"m_1": 1}).joint_names == robot.joint_names
