@@ -11,7 +11,8 @@ listed with what it says.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +34,8 @@ def main() -> None:
     survey.run(__doc__.splitlines()[0], "*.xml", load)
 
 
-def load(path: Path, as_written: bool) -> tuple[moro.Robot, Peer]:
-    """Return the robot of a file, held where it moves freely, and MuJoCo's model of it."""
+def load(path: Path, as_written: bool) -> tuple[moro.Robot, Callable[[], Peer]]:
+    """Return the robot of a file, held where it moves freely, and what makes MuJoCo's model."""
     try:
         robot, root = moro.load(path, as_written=as_written), None
     except RobotFileError as error:
@@ -42,7 +43,7 @@ def load(path: Path, as_written: bool) -> tuple[moro.Robot, Peer]:
             raise
         root = _floating(path)
         robot = moro.load(path, root=root, as_written=as_written)
-    return robot, Peer(path, robot.joint_names, root)
+    return robot, partial(Peer, path, robot.joint_names, root)
 
 
 def _floating(path: Path) -> str:

@@ -100,8 +100,8 @@ class Peer(Protocol):
         """Return pose and Jacobian of frames by their names."""
 
 
-#: from a path, and whether decimals are taken as they are, to the robot and its peer
-Load: TypeAlias = Callable[[Path, bool], tuple[moro.Robot, Peer]]
+#: from a path, and whether decimals are taken as they are, to the robot and what makes its peer
+Load: TypeAlias = Callable[[Path, bool], tuple[moro.Robot, Callable[[], Peer]]]
 
 
 def run(description: str, pattern: str, load: Load) -> None:
@@ -156,9 +156,10 @@ def surveyed_or_reason(path: Path, as_written: bool, load: Load) -> Line | str:
 def surveyed(path: Path, as_written: bool, load: Load) -> Line:
     """Return the line of a file. Raises ValueError if it is refused."""
     start = time.process_time()
-    robot, peer = load(path, as_written)
+    robot, peer_of = load(path, as_written)
     mc.generate(robot)
     made = time.process_time() - start
+    peer = peer_of()
     with tempfile.TemporaryDirectory() as folder:
         kernel = mc.compile(robot, functions=(*FUNCTIONS, *dynamics(robot)), directory=folder)
         errors = compared(robot, kernel, peer)

@@ -7,7 +7,8 @@ itself; what mimics is put together here: tau = A^T tau_i, M = A^T M_i A.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +25,10 @@ def main() -> None:
     survey.run(__doc__.splitlines()[0], "*.urdf", load)
 
 
-def load(path: Path, as_written: bool) -> tuple[moro.Robot, Peer]:
-    """Return the robot of a file, and Pinocchio's model of it."""
+def load(path: Path, as_written: bool) -> tuple[moro.Robot, Callable[[], Peer]]:
+    """Return the robot of a file, and what makes Pinocchio's model of it."""
     robot = moro.load(path, as_written=as_written)
-    return robot, Peer(path, robot.joint_names)
+    return robot, partial(Peer, path, robot.joint_names)
 
 
 class Peer:

@@ -193,7 +193,7 @@ def forces(mujoco: Any, spec: Any, tree: Tree) -> None:
         ]
         if acts:
             links, joints = _reach([tendon], tree)
-            message = f"its {' and '.join(acts)} act on several joints at once, which is not read"
+            message = f"its {' and '.join(acts)}: what acts on several joints at once is not read"
             tree.add(tendon, f"tendon {tendon.name}".strip(), message, links, joints)
     for flex in spec.flexes:
         links = list(dict.fromkeys([*flex.vertbody, *flex.nodebody]))

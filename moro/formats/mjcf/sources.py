@@ -30,7 +30,7 @@ def looked_through(path: Path) -> bool:
     """
     top = _parsed(path)
     if top.tag != "mujoco":
-        part = " is part of a model, which includes it" if top.tag == "mujocoinclude" else ""
+        part = ", the root of files that models include" if top.tag == "mujocoinclude" else ""
         message = f"expected the root <mujoco> of an MJCF, found <{top.tag[:40]}>" + part
         raise RobotFileError(os.fspath(path), [Problem(top.line, "", message)])
     seen, waiting = {path.resolve()}, [(path, top)]

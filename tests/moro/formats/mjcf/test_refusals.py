@@ -43,8 +43,8 @@ def equality(text):
             "equality of joint q2: it is coupled to others already",
         ),
         (equality('<joint joint1="no" joint2="q2"/>'), "there is no joint `no`"),
-        (tendon('stiffness="1"'), "tendon t: its stiffness act"),
-        (tendon('damping="1" frictionloss="2"'), "its damping and frictionloss act"),
+        (tendon('stiffness="1"'), "tendon t: its stiffness: what acts on several joints at once"),
+        (tendon('damping="1" frictionloss="2"'), "its damping and frictionloss: what acts"),
         (
             tendon("", '<joint joint="q1" coef="1"/>') + equality('<tendon tendon1="t"/>'),
             "it holds the length of a tendon",
@@ -149,7 +149,7 @@ def test_a_shape_that_is_missing_and_gives_an_inertia(tmp_path):
     [
         (LAUGHS, r":1: a document type \(<!DOCTYPE"),
         ("<mujoco>", ":1: not XML: no element found"),
-        ("<mujocoinclude/>", "found <mujocoinclude> is part of a model, which includes it"),
+        ("<mujocoinclude/>", "found <mujocoinclude>, the root of files that models include"),
         (robot('<replicate count="1000000000"><body/></replicate>'), "repeats elements to 2e"),
         (
             robot('<replicate count="9999"><replicate count="999"><geom/></replicate></replicate>'),
