@@ -68,6 +68,7 @@ TARGETS = Registry(
     "target",
     {
         "c": "moro_codegen.targets.c:TARGET",
+        "cpp": "moro_codegen.targets.cpp:TARGET",
         "python": "moro_codegen.targets.python:TARGET",
         "cython": "moro_codegen.targets.cython:TARGET",
     },

@@ -24,7 +24,7 @@ from docs.blocks import BLOCK, NAMES
 #: characters of a line of output that fit on a page
 WIDTH = 90
 
-_SAMPLE = re.compile(r"^```(python|yaml|xml|c)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+_SAMPLE = re.compile(r"^```(python|yaml|xml|c|cpp)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _PART = re.compile(f"{_SAMPLE.pattern}|{BLOCK.pattern}", re.MULTILINE | re.DOTALL)
 
 

@@ -59,6 +59,7 @@ SAMPLES = Sybil(
         CodeBlockParser("yaml", write_robot_file),
         CodeBlockParser("xml", write_robot_file),
         CodeBlockParser("c", write_source),
+        CodeBlockParser("cpp", write_source),
         find_blocks,
     ]
 )

@@ -33,20 +33,25 @@ class C(Target):
 
     def files(self, export: Export) -> dict[str, str]:
         """Return sources, builds, examples and words."""
-        name, holes = export.name, described(export)
-        files = sources(export)
-        for path, template in {
-            "CMakeLists.txt": "export_cmakelists.txt.jinja",
-            f"{name}-config.cmake.in": "export_config.cmake.in.jinja",
-            f"{name}.pc.in": "export_pc.in.jinja",
-            "Makefile": "export_makefile.jinja",
-            "README.md": "export_c_readme.md.jinja",
-            "selftest.c": "export_selftest.c.jinja",
-        }.items():
-            files[path] = render(template, **holes)
-        if holes["computed_torque"]:
-            files["computed_torque.c"] = render("export_computed_torque.c.jinja", **holes)
-        return files
+        return files(export)
+
+
+def files(export: Export, *, cpp: bool = False) -> dict[str, str]:
+    """Return the texts of all files; ``cpp``: there is a header of C++ beside them."""
+    name, holes = export.name, {**described(export), "cpp": cpp}
+    texts = sources(export)
+    for path, template in {
+        "CMakeLists.txt": "export_cmakelists.txt.jinja",
+        f"{name}-config.cmake.in": "export_config.cmake.in.jinja",
+        f"{name}.pc.in": "export_pc.in.jinja",
+        "Makefile": "export_makefile.jinja",
+        "README.md": "export_c_readme.md.jinja",
+        "selftest.c": "export_selftest.c.jinja",
+    }.items():
+        texts[path] = render(template, **holes)
+    if holes["computed_torque"]:
+        texts["computed_torque.c"] = render("export_computed_torque.c.jinja", **holes)
+    return texts
 
 
 def sources(export: Export) -> dict[str, str]:
