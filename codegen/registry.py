@@ -76,10 +76,8 @@ TARGETS = Registry(
 
 
 def reserved() -> frozenset[str]:
-    """Return the names that some backend's or target's code uses itself."""
-    return frozenset[str]().union(
-        *(kind.find(name).reserved for kind in (BACKENDS, TARGETS) for name in kind.names())
-    )
+    """Return the names that some backend's code uses itself."""
+    return frozenset[str]().union(*(BACKENDS.find(name).reserved for name in BACKENDS.names()))
 
 
 def either(names: Iterable[str]) -> str:

@@ -43,7 +43,7 @@ class Target(ABC):
 
     #: what ``targets=`` and ``--target`` call it
     name: ClassVar[str]
-    #: names that no function may have: generated code uses them itself
+    #: names that no exported function may have: generated code uses them itself
     reserved: frozenset[str] = frozenset()
 
     @abstractmethod

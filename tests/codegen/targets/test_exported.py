@@ -108,6 +108,7 @@ def test_nothing_is_written_unless_everything_can_be(tmp_path):
         ({"targets": ("fortran",)}, ValueError, 'target must be "c"'),
         ({"functions": ("tua",)}, ValueError, "did you mean"),
         ({"functions": (mc.Function("q_min", q1),)}, ValueError, "cannot be named 'q_min'"),
+        ({"functions": (mc.Function("new", q1),), "targets": ("cpp",)}, ValueError, "named 'new'"),
         ({"prefix": "my arm"}, ValueError, "'my arm' cannot name functions"),
         ({"dtype": "half"}, ValueError, "dtype must be"),
     ],
@@ -161,7 +162,7 @@ def test_a_target_from_outside(tmp_path):
         with pytest.raises(ValueError, match="there is a target 'words' already"):
             register(Words())
         with pytest.raises(ValueError, match="cannot be named 'a_word'"):
-            mc.Function("a_word", q1)
+            mc.export(two_link(), tmp_path, ("words",), (mc.Function("a_word", q1),))
     finally:
         registry.TARGETS.remove("words")
 
