@@ -148,14 +148,16 @@ def _parameters(file: RobotFile, names: list[str]) -> tuple[Parameter, ...]:
 def _not_set(file: RobotFile) -> frozenset[str]:
     """Return the quantities that the file says nothing of."""
     entries = [*file.links, *file.coordinates.values()]
+    frictions = (x.friction.model_fields_set for x in entries if x.friction is not None)
+    rubbing = set[str]().union(*frictions)
     there = {
         "masses": any(link.mass is not None or link.bodies is not None for link in file.links),
         "rotor_inertias": any(
             x.rotor_inertia is not None or x.motor_inertia is not None for x in entries
         ),
-        "viscous_friction": any(x.friction is not None for x in entries),
+        "viscous_friction": "viscous" in rubbing,
+        "coulomb_friction": bool(rubbing & {"coulomb", "static"}),
     }
     there |= dict.fromkeys(("cm_positions", "inertia_tensors"), there["masses"])
-    there["coulomb_friction"] = there["viscous_friction"]
     there["gravity"] = file.gravity is not None
     return frozenset(name for name, given in there.items() if not given)

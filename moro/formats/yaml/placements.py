@@ -144,6 +144,7 @@ def axis(before: Sequence[Step], after: Sequence[Step]) -> tuple[Any, tuple[Step
 
     None where the frame is not on the axis as the steps before lead to it.
     """
+    after = joined(after)
     if any(isinstance(step, Shift) for step in after):
         return None
     direction = times(Placement.by(*inverse(after)).R, Z)

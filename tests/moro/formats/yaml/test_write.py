@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 import sympy as sp
 from arms import NAMES, random_model
+from assemblies import X, joint
 from assemblies import arm as assembled_arm
+from assemblies import robot as links_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from robots import complete
@@ -17,6 +19,7 @@ from moro import Robot
 from moro.abc import l1, m1, q1, q2, q3
 from moro.formats.assembled import Assembled
 from moro.formats.loading import packaged
+from moro.model import Shift
 
 pytestmark = pytest.mark.filterwarnings("ignore::moro.io.RobotFileWarning")
 SEEDS = st.integers(0, 2**32 - 1)
@@ -246,3 +249,13 @@ def test_names_that_files_have_to_quote(tmp_path):
     assert [x.name for x in same.model().frames] == [x.name for x in robot.model().frames]
     assert replace(same.model(), frames=()) == replace(robot.model(), frames=())
     assert NAMES
+
+
+def test_a_frame_shifted_by_nothing_is_on_its_axis(tmp_path):
+    """As the joints of MuJoCo's bodies, whose anchors are their origins."""
+    only = joint("cart", None, (0, 0, 1), X)
+    nowhere = Shift((sp.Integer(0),) * 3)
+    made = Robot.of(Assembled(links_of(replace(only, path=(*only.path, nowhere)))))
+    same = again(made, tmp_path / "robot.yaml")
+    assert same.model() == made.model()
+    assert "    xyz: [0, 0, 1]\n    axis: x\n" in (tmp_path / "robot.yaml").read_text()
