@@ -162,9 +162,12 @@ def _shown(request: Any) -> str:
 # -- on disk -------------------------------------------------------------------------------------
 
 
-def _listed(texts: Mapping[str, str], model_hash: str, call: str) -> dict[str, bytes]:
+def _listed(texts: Mapping[str, str | bytes], model_hash: str, call: str) -> dict[str, bytes]:
     """Return files as bytes, with their list."""
-    files = {path: text.encode() for path, text in sorted(texts.items())}
+    files = {
+        path: text.encode() if isinstance(text, str) else text
+        for path, text in sorted(texts.items())
+    }
     said = {
         "made by": f"moro {moro.__version__}",
         "made with": call,

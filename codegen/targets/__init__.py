@@ -7,6 +7,7 @@ by ``register``; nothing else asks which one it is.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -47,10 +48,10 @@ class Target(ABC):
     reserved: frozenset[str] = frozenset()
 
     @abstractmethod
-    def files(self, export: Export) -> dict[str, str]:
-        """Return the texts of all files, by path in the target's folder.
+    def files(self, export: Export) -> Mapping[str, str | bytes]:
+        """Return what all files hold, by path in the target's folder.
 
-        Raise ValueError for what the target cannot express. The same export gives the same texts.
+        Raise ValueError for what the target cannot express. The same export gives the same files.
         """
 
 

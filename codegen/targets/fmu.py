@@ -1,4 +1,4 @@
-"""Functional Mock-up Units (FMI 3.0 and 2.0): an arm that other programs simulate.
+"""FMU: Functional Mock-up Units (FMI 3.0 and 2.0), an arm that other programs simulate.
 
 The unit's states are q and qd, its inputs the torques (forces) tau, its parameters those of the
 kernel: dqd/dt is ``forward_dynamics``, compiled from the kernel's own C. It serves model exchange,
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import os
 import platform
 import sys
 import zipfile
@@ -23,13 +22,14 @@ from xml.etree import ElementTree as ET
 import sympy as sp
 
 import moro
-from moro.model import Drive, Model, Parameter, as_model
-from moro.robot import Robot
+from moro.model import Drive, Model, Parameter
 from moro_codegen.backends import c_text, toolchain
 from moro_codegen.emit.render import render
 from moro_codegen.program import Program, generate
-from moro_codegen.progress import shown, tell
+from moro_codegen.progress import tell
 from moro_codegen.signature import RuntimeParameter
+from moro_codegen.targets import Export, Target
+from moro_codegen.targets.python import made
 
 VERSIONS = ("3.0", "2.0")
 #: of steps of a co-simulation [s], by default
@@ -41,29 +41,27 @@ TIME = (1980, 1, 1, 0, 0, 0)
 FLAGS = ("-O2", "-std=c99", "-fPIC", "-shared", "-fvisibility=hidden", "-DNO_BATCH")
 
 
-@shown()
-def export_fmu(
-    robot: Robot | Model,
-    path: str | os.PathLike[str],
-    version: str = "3.0",
-    max_step: float = MAX_STEP,
-) -> Path:
-    """Write the FMU of a robot's forward dynamics to ``path``, and return it.
+class FMU(Target):
+    """The units of both versions of FMI, and words."""
 
-    The same robot gives the same bytes with the same compiler. Raises ValueError for a version that
-    there is not, a robot without forward dynamics, or a parameter without a default; ToolchainError
-    where there is no compiler.
-    """
-    if version not in VERSIONS:
-        raise ValueError(f"version must be {' or '.join(VERSIONS)}, not {version!r}")
-    model = _smooth(as_model(robot))
-    unit = _Unit(model, generate(model, ("forward_dynamics",)), version, max_step)
-    content = _zipped(unit.files())
-    target = Path(path)
-    temporary = target.with_name(f".{target.name}.part")
-    temporary.write_bytes(content)
-    temporary.replace(target)
-    return target
+    name = "fmu"
+    reserved = c_text.RESERVED
+
+    def files(self, export: Export) -> dict[str, str | bytes]:
+        """Return the units: ROBOT.fmu of FMI 3.0, ROBOT_fmi2.fmu of FMI 2.0.
+
+        They have ``forward_dynamics``, whichever functions are asked for. Raises ValueError for a
+        robot without, or a parameter without a default; ToolchainError where there is no compiler.
+        """
+        model = replace(_smooth(export.model), name=export.name)
+        program = generate(model, ("forward_dynamics",))
+        units = [_Unit(model, program, version) for version in VERSIONS]
+        texts = {unit.path: _zipped(unit.files()) for unit in units}
+        variables = [*units[0].variables()]
+        readme = render(
+            "export_fmu_readme.md.jinja", name=export.name, made=made(export), variables=variables
+        )
+        return {**texts, "README.md": readme}
 
 
 def _smooth(model: Model) -> Model:
@@ -90,7 +88,10 @@ class _Unit:
     model: Model
     program: Program
     version: str
-    max_step: float
+
+    @property
+    def path(self) -> str:
+        return f"{self.name}.fmu" if self.version == "3.0" else f"{self.name}_fmi2.fmu"
 
     @property
     def name(self) -> str:
@@ -118,7 +119,7 @@ class _Unit:
     @property
     def token(self) -> str:
         """What the description and the library know each other by."""
-        said = f"{moro.__version__} {self.version} {self.max_step} {c_text.emit(self.program)}"
+        said = f"{moro.__version__} {self.version} {c_text.emit(self.program)}"
         digest = hashlib.sha256(said.encode()).hexdigest()
         parts = digest[:8], digest[8:12], digest[12:16], digest[16:20], digest[20:32]
         return f"{{{'-'.join(parts)}}}"
@@ -132,7 +133,7 @@ class _Unit:
             n=self.program.dof,
             parameters=[{"start": repr(_start(x))} for x in self.program.parameters],
             token=self.token,
-            max_step=repr(float(self.max_step)),
+            max_step=repr(float(MAX_STEP)),
             modes=MODES_3 if three else MODES_2,
             others=OTHERS_3 if three else OTHERS_2,
             clocks=CLOCKS,
@@ -169,7 +170,7 @@ class _Unit:
     def description(self) -> str:
         """Return the description of the unit's variables."""
         root = self._root()
-        variables = list(self._variables())
+        variables = list(self.variables())
         if self.version == "3.0":
             _described_3(root, variables, self.program.dof)
         else:
@@ -209,7 +210,7 @@ class _Unit:
             ET.SubElement(ET.SubElement(units, "Unit", {"name": name}), "BaseUnit", base)
         return root
 
-    def _variables(self) -> Iterator[_Variable]:
+    def variables(self) -> Iterator[_Variable]:
         n, kinds = self.program.dof, self.model.types
         names = [x.name for x in self.model.coordinates]
 
@@ -219,7 +220,7 @@ class _Unit:
             for j, (kind, name) in enumerate(zip(kinds, names, strict=True)):
                 of = f"{what} of joint {name or j + 1}"
                 unit = units[0] if kind.is_angle else units[1]
-                more = {k: v.format(j + 1 - n + first) for k, v in attributes.items()}
+                more = {k: v.format(first + j - n) for k, v in attributes.items()}
                 yield _Variable(f"{letter}[{j + 1}]", first + j, of, unit, more)
 
         yield _Variable("time", 0, "time", "s", {"causality": "independent"})
@@ -239,7 +240,7 @@ class _Unit:
             yield _Variable(
                 x.name, 1 + 4 * n + k, x.description or "parameter", "", {**given, **start}
             )
-        step = {**given, "start": repr(float(self.max_step))}
+        step = {**given, "start": repr(float(MAX_STEP))}
         place = 1 + 4 * n + len(self.program.parameters)
         what = "longest step of a co-simulation"
         yield _Variable("max_step", place, what, "s", step)
@@ -372,3 +373,5 @@ CLOCKS = (
     ("SetShiftDecimal", (("const double", "shifts"),)),
     ("SetShiftFraction", _SET_FRACTION),
 )
+
+TARGET = FMU()
