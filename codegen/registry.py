@@ -71,6 +71,7 @@ TARGETS = Registry(
         "cpp": "moro_codegen.targets.cpp:TARGET",
         "python": "moro_codegen.targets.python:TARGET",
         "cython": "moro_codegen.targets.cython:TARGET",
+        "casadi": "moro_codegen.targets.casadi:TARGET",
         "fmu": "moro_codegen.targets.fmu:TARGET",
     },
 )
