@@ -8,6 +8,7 @@ from exports import needs, run, two_link
 import moro as mr
 import moro_codegen as mc
 
+BY = {"tau": "tau_derivatives", "forward_dynamics": "forward_dynamics_derivatives"}
 FUNCTIONS = (
     "tau", "bias", "gravity_vector", "forward_dynamics", "inertia_matrix", "jacobian",
     "forward_kinematics", "potential_energy", ("tau", "inertia_matrix"),
@@ -29,10 +30,7 @@ def library(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def kernel():
-    return mc.compile(
-        mr.load("two_link"),
-        functions=(*FUNCTIONS, "tau_derivatives", "forward_dynamics_derivatives"),
-    )
+    return mc.compile(mr.load("two_link"), functions=(*FUNCTIONS, *BY.values()))
 
 
 @pytest.fixture
@@ -59,10 +57,7 @@ def test_names(library):
     assert (tau.name_in(), tau.name_out()) == (["q", "qd", "qdd"], ["tau"])
 
 
-@pytest.mark.parametrize(
-    ("name", "by"),
-    [("tau", "tau_derivatives"), ("forward_dynamics", "forward_dynamics_derivatives")],
-)
+@pytest.mark.parametrize(("name", "by"), BY.items())
 def test_jacobians(library, kernel, state, name, by):
     given = [ca.MX.sym(x, 2) for x in state]
     result = ca.external(name, library)(*given)
