@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import jax
 import jax.numpy as jnp
@@ -28,19 +28,27 @@ from moro_codegen.emit.render import render
 from moro_codegen.kernel import store
 from moro_codegen.signature import Part, Signature
 
-if TYPE_CHECKING:
-    from moro_codegen.kernel.kernel import Kernel
-
 #: from arguments to results, arrays of JAX
 Call = Callable[..., tuple[Any, ...]]
 #: from primals (of all inputs) and tangents (None: none) to the tangents of the results
 Rule = Callable[[Sequence[Any], Sequence[Any]], tuple[Any, ...]]
 
 
+class Compiled(Protocol):
+    """What is asked of a kernel."""
+
+    name: str
+    backend: str
+    directory: Path
+    library: Path | None
+    manifest: dict[str, Any]
+    signatures: dict[str, Signature]
+
+
 class InJAX:
     """What ``kernel.jax`` is: the kernel's functions under their names."""
 
-    def __init__(self, kernel: Kernel):
+    def __init__(self, kernel: Compiled):
         self._kernel = kernel
         if kernel.library is None or kernel.backend != "c":
             raise ValueError(f'kernel.jax needs a kernel in C, not backend="{kernel.backend}"')
@@ -53,7 +61,7 @@ class InJAX:
         raise AttributeError(f"this kernel has no {name!r}; its functions are: {there}")
 
 
-def _registered(kernel: Kernel) -> Iterator[tuple[str, Call]]:
+def _registered(kernel: Compiled) -> Iterator[tuple[str, Call]]:
     """Yield every function of a kernel, by name, as JAX calls it, without derivatives."""
     library = ctypes.CDLL(str(kernel.library))
     handlers = ctypes.CDLL(str(_built(kernel)))
@@ -77,7 +85,7 @@ def _call(target: str, signature: Signature) -> Call:
     return call
 
 
-def _built(kernel: Kernel) -> Path:
+def _built(kernel: Compiled) -> Path:
     """Return the library of handlers, compiled into the kernel's folder if it is not there."""
     holes = [_holes(name, signature) for name, signature in kernel.signatures.items()]
     source = render(
@@ -199,7 +207,7 @@ def _values(signature: Signature, parameters: Any) -> Any:
 # -- derivatives ----------------------------------------------------------------------------------
 
 
-def _rule(signature: Signature, kernel: Kernel, raw: Mapping[str, Call]) -> Rule | None:
+def _rule(signature: Signature, kernel: Compiled, raw: Mapping[str, Call]) -> Rule | None:
     """Return how tangents go through a function, if the kernel has what that takes."""
     if len(signature.parts) > 1:
         return None
