@@ -83,7 +83,6 @@ def test_things(action, error, said):
     ("name", "text", "said"),
     [
         ("a.urdf", '<?xml version="1.0"?>\n<robot name="a"/>', "there is no <link> in it"),
-        ("a.xml", "<mujoco/>", "is MJCF, the format of MuJoCo"),
         ("a.sdf", "<sdf/>", "is SDF, the format of Gazebo"),
         ("a.xacro", "<robot><xacro:a/></robot>", "is xacro, of which ROS makes a URDF"),
         ("a.json", '{"a": 1}', "is JSON; expected a robot.yaml"),
