@@ -169,12 +169,12 @@ def test_other_text_is_refused(text, said):
     ],
 )
 def test_values_that_are_not_real_finite_and_small_are_refused_at_once(text, said):
-    start = time.perf_counter()
+    start = time.thread_time()
     with pytest.raises(ExpressionError) as error:
         parse(text, NAMES)
     assert said in str(error.value)
     assert len(str(error.value)) < 300
-    assert time.perf_counter() - start < 5
+    assert time.thread_time() - start < 5
 
 
 def test_bounds_leave_room():
@@ -270,7 +270,7 @@ def test_functions_are_those_of_mathematics(text):
 @settings(deadline=None, max_examples=300)
 @given(st.text(alphabet="0123456789.eE+-*/(), abpisncotqr^_'\"[]{}:%", max_size=40))
 def test_any_text_is_read_or_refused_quickly(text):
-    start = time.perf_counter()
+    start = time.thread_time()
     try:
         value = parse(text, NAMES)
     except ExpressionError:
@@ -278,4 +278,4 @@ def test_any_text_is_read_or_refused_quickly(text):
     else:
         assert value.free_symbols <= {a, b}
         assert value.is_finite is not False
-    assert time.perf_counter() - start < 5
+    assert time.thread_time() - start < 5

@@ -234,7 +234,6 @@ OF_FRAMES = ["T_i0", "R_i0", "r_o", "z"]
 NO_INDEX = [
     1.0,
     np.float64(1),
-    "1",
     None,
     True,
     np.bool_(True),
@@ -261,6 +260,17 @@ class TestIndices:
         what = self.what(method)
         with pytest.raises(TypeError, match=f"{what} index must be a whole number, not"):
             getattr(self.robot, method)(i)
+
+    @pytest.mark.parametrize("method", OF_LINKS + OF_JOINTS)
+    def test_text_is_no_whole_number(self, method):
+        with pytest.raises(TypeError, match="index must be a whole number, not '1'"):
+            getattr(self.robot, method)("1")
+
+    @pytest.mark.parametrize("method", OF_FRAMES)
+    def test_frames_are_called_by_their_numbers_too(self, method):
+        assert getattr(self.robot, method)("1") == getattr(self.robot, method)(1)
+        with pytest.raises(ValueError, match="no frame is called '7'; there are 0 to 2"):
+            getattr(self.robot, method)("7")
 
     @pytest.mark.parametrize("method", OF_LINKS + OF_JOINTS + OF_FRAMES)
     @pytest.mark.parametrize("i", [-1, 0, 3, 10**30])
