@@ -61,6 +61,7 @@ class Peer:
         spec = mujoco.MjSpec.from_file(str(path))
         spec.compiler.fusestatic = False
         name_all(spec)
+        whole = spec.compile()
         if root is not None:
             for key in list(spec.keys):
                 spec.delete(key)
@@ -69,6 +70,7 @@ class Peer:
                     spec.delete(joint)
         self.model = model = spec.compile()
         self.root = root
+        _as_in(whole, model)
         model.body_gravcomp[:] = model.opt.density = model.opt.viscosity = 0
         off = int(model.opt.disableflags)
         rubs = not off & (int(BITS.mjDSBL_CONSTRAINT) | int(BITS.mjDSBL_FRICTIONLOSS))
@@ -158,6 +160,14 @@ class Peer:
                 name += "_site" * (name in found)
                 found[name] = np.linalg.inv(base) @ _pose(place), turned @ self.A
         return found
+
+
+def _as_in(whole: Any, held: Any) -> None:
+    """Give joints the springs and dampers of the whole: springdamper depends on what moves."""
+    for k in range(held.njnt):
+        other = whole.joint(held.joint(k).name)
+        held.jnt_stiffness[k] = other.stiffness[0]
+        held.dof_damping[held.jnt_dofadr[k]] = other.damping[0]
 
 
 def _pose(place: Any) -> Any:
