@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from moro_codegen import backends
 from moro_codegen.backends import Backend, Folder, Opened
+from moro_codegen.kernel import native
 from moro_codegen.kernel.store import MANIFEST, DamagedError, checked_file, read_manifest, settled
 from moro_codegen.signature import Signature
 
@@ -110,6 +111,30 @@ class Kernel:
         from moro_codegen.kernel.in_jax import InJAX
 
         return InJAX(self)
+
+    @cached_property
+    def ctypes(self) -> dict[str, Any]:
+        """The C functions for one state, through ctypes: ``kernel.ctypes["tau"](q, ..., tau)``.
+
+        They take a pointer for each input, then for each result, with the run-time parameters as
+        the last input; the interpreter's lock is let go, and nothing is checked. Raises ValueError
+        for a kernel without a library, or one whose library has been replaced.
+        """
+        if self.library is None:
+            raise ValueError(f'a kernel with backend="{self.backend}" has no functions in C')
+        return native.functions(self.library, self.name, self.manifest["key"], self.signatures)
+
+    @property
+    def address(self) -> dict[str, int]:
+        """Where the same functions are in memory: ``kernel.address["tau"]``."""
+        return {name: native.address(call) for name, call in self.ctypes.items()}
+
+    @property
+    def capsule(self) -> dict[str, Any]:
+        """The same functions as PyCapsules, whose names are their types in C."""
+        return {
+            name: native.capsule(call, self.signatures[name]) for name, call in self.ctypes.items()
+        }
 
     def __getattr__(self, name: str) -> Callable[..., Any]:
         functions = ", ".join(self.__dict__.get("signatures", ()))

@@ -78,6 +78,24 @@ def test_jacobians_at_rest(library, kernel, state):
     assert np.allclose(found[2], expected[1])
 
 
+def test_an_optimal_control_problem_is_solved(library):
+    """The arm goes from rest to rest, by IPOPT, without second derivatives, as the README says."""
+    accelerations, steps, dt = ca.external("forward_dynamics", library), 10, 0.05
+    problem = ca.Opti()
+    x, u = problem.variable(4, steps + 1), problem.variable(2, steps)
+    for k in range(steps):
+        qdd = accelerations(x[:2, k], x[2:, k], u[:, k])
+        problem.subject_to(x[2:, k + 1] == x[2:, k] + dt * qdd)
+        problem.subject_to(x[:2, k + 1] == x[:2, k] + dt * x[2:, k + 1])
+    problem.subject_to(x[:, 0] == [0, 0, 0, 0])
+    problem.subject_to(x[:, -1] == [0.3, -0.2, 0, 0])
+    problem.minimize(ca.sumsqr(u) / 1000)
+    options = {"hessian_approximation": "limited-memory", "print_level": 0}
+    problem.solver("ipopt", {"print_time": False}, options)
+    found = problem.solve().value(x)
+    assert np.allclose(found[:, -1], [0.3, -0.2, 0, 0], rtol=0, atol=1e-6)
+
+
 def test_parameters_are_the_last_input(tmp_path, state):
     robot = two_link(payload=0.5)
     tau = ca.external("tau", made(robot, tmp_path, ("tau",)))
