@@ -21,6 +21,7 @@ from typing import Any, Protocol
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax.custom_derivatives import SymbolicZero
 
 from moro_codegen.backends import toolchain
@@ -93,7 +94,7 @@ def _built(kernel: Compiled) -> Path:
         name=kernel.name,
         functions=holes,
         most=max(hole["inputs"] + hole["outputs"] for hole in holes),
-        size=8 if next(iter(kernel.signatures.values())).dtype == "float64" else 4,
+        size=_size(next(iter(kernel.signatures.values()))),
     )
     key = hashlib.sha256(f"{source} {jax.__version__}".encode()).hexdigest()[:16]
     there = os.access(kernel.directory, os.W_OK)
@@ -121,7 +122,7 @@ def _compile(source: str, path: Path) -> None:
 
 def _holes(name: str, signature: Signature) -> dict[str, Any]:
     """Return what the template says of a function: strides in bytes, of samples first."""
-    size = 8 if signature.dtype == "float64" else 4
+    size = _size(signature)
     arguments = (*signature.inputs, *signature.outputs)
     inner = [size * math.prod(a.sizes[k + 1 :]) for a in arguments for k in range(len(a.sizes))]
     return {
@@ -130,6 +131,11 @@ def _holes(name: str, signature: Signature) -> dict[str, Any]:
         "outputs": len(signature.outputs),
         "steps": [*(size * a.size for a in arguments), *inner],
     }
+
+
+def _size(signature: Signature) -> int:
+    """Return the bytes of a number."""
+    return np.dtype(signature.dtype).itemsize
 
 
 # -- calls ----------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from functools import cached_property
 from time import thread_time
 from typing import Any, TypeAlias
@@ -262,8 +262,7 @@ class ExpectedDynamics:
     def _frictions(self, qd: NDArray[Any]) -> Array:
         """Return the friction at these rates, which may be complex (states, n)."""
         columns = []
-        for x, rate in zip(self.model.coordinates, qd.T, strict=True):
-            d = Drive(*(self._number(value) for value in astuple(x.drive)))
+        for d, rate in zip(self._drives, qd.T, strict=True):
             forwards, backwards = d.coulomb
             if d.static is not None:
                 fading = np.exp(-((rate / d.stribeck_velocity) ** 2))
@@ -278,13 +277,13 @@ class ExpectedDynamics:
         friction: Array = np.stack(columns, axis=1)
         return friction
 
-    def _number(self, value: Any) -> Any:
-        """Return a value of a drive, or a pair of them, as numbers."""
-        if value is None:
-            return None
-        if isinstance(value, tuple):
-            return tuple(map(self._number, value))
-        return evaluated([value], self.parameters, 1).item()
+    @cached_property
+    def _drives(self) -> list[Drive]:
+        """The drives, in numbers."""
+        drives = [x.drive for x in self.model.coordinates]
+        scalars = [x for drive in drives for x in drive.scalars]
+        numbers = iter(evaluated(scalars, self.parameters, 1)[0])
+        return [drive.map(lambda _: next(numbers)) for drive in drives]
 
 
 def evaluated(expressions: Iterable[Any], values: Mapping[Any, Any], states: int) -> Array:
