@@ -15,6 +15,7 @@ import sys
 import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from xml.etree import ElementTree as ET
@@ -38,7 +39,7 @@ MAX_STEP = 1e-3
 FRICTION_WIDTH = sp.Rational(1, 100)
 #: entries of a zip file have a time; the same for the same unit
 TIME = (1980, 1, 1, 0, 0, 0)
-FLAGS = ("-O2", "-std=c99", "-fPIC", "-shared", "-fvisibility=hidden", "-DNO_BATCH")
+FLAGS = ("-O2", "-std=c99", "-fPIC", "-shared", "-fvisibility=hidden")
 
 
 class FMU(Target):
@@ -99,27 +100,36 @@ class _Unit:
 
     def files(self) -> dict[str, bytes]:
         """Return the contents of the unit, by path in it."""
-        description = self.description()
-        sources = self.sources()
         texts = {
-            "modelDescription.xml": description,
-            **{f"sources/{path}": text for path, text in sources.items()},
+            "modelDescription.xml": self.description(),
+            **{f"sources/{path}": text for path, text in self.sources.items()},
         }
         if self.version == "3.0":
             texts["sources/buildDescription.xml"] = self._build_description()
         return {
             **{path: text.encode() for path, text in texts.items()},
-            self._library_path(): self._library(sources),
+            self._library_path(): self._library(),
         }
 
+    @cached_property
+    def kernel(self) -> dict[str, str]:
+        """Source and header of the kernel."""
+        return c_text.emit(self.program)
+
+    @cached_property
     def sources(self) -> dict[str, str]:
-        """Return the C files: the kernel, and the interface."""
-        return {**c_text.emit(self.program), "fmu.c": self._interface()}
+        """The C files: the kernel, and the interface."""
+        return {**self.kernel, "fmu.c": self._interface()}
 
     @property
+    def compiled(self) -> list[str]:
+        """The files that are compiled."""
+        return [path for path in self.sources if path.endswith(".c")]
+
+    @cached_property
     def token(self) -> str:
         """What the description and the library know each other by."""
-        said = f"{moro.__version__} {self.version} {c_text.emit(self.program)}"
+        said = f"{moro.__version__} {self.version} {self.kernel}"
         digest = hashlib.sha256(said.encode()).hexdigest()
         parts = digest[:8], digest[8:12], digest[12:16], digest[16:20], digest[20:32]
         return f"{{{'-'.join(parts)}}}"
@@ -149,15 +159,14 @@ class _Unit:
         folder = f"{machine}-{system}" if self.version == "3.0" else f"{system}{bits}"
         return f"binaries/{folder}/{self.name}{suffix}"
 
-    def _library(self, sources: Mapping[str, str]) -> bytes:
+    def _library(self) -> bytes:
         """Return the compiled unit. Raise ToolchainError if it does not compile."""
         tell("compiling the FMU")
         compiler = toolchain.find_compiler("native")
         with TemporaryDirectory() as folder:
-            for path, text in sources.items():
+            for path, text in self.sources.items():
                 (Path(folder) / path).write_text(text, encoding="utf-8")
-            files = [path for path in sources if path.endswith(".c")]
-            command = [*compiler.command, *FLAGS, *files, "-lm", "-o", "unit"]
+            command = [*compiler.command, *FLAGS, *self.compiled, "-lm", "-o", "unit"]
             done = toolchain.run(command, Path(folder))
             if done.returncode != 0:
                 raise toolchain.ToolchainError(
@@ -203,7 +212,7 @@ class _Unit:
         if not three:
             for kind in (exchange, simulation):
                 files = ET.SubElement(kind, "SourceFiles")
-                for path in (x for x in self.sources() if x.endswith(".c")):
+                for path in self.compiled:
                     ET.SubElement(files, "File", {"name": path})
         units = ET.SubElement(root, "UnitDefinitions")
         for name, base in UNITS.items():
@@ -249,7 +258,7 @@ class _Unit:
         root = ET.Element("fmiBuildDescription", {"fmiVersion": "3.0"})
         build = ET.SubElement(root, "BuildConfiguration", {"modelIdentifier": self.name})
         files = ET.SubElement(build, "SourceFileSet", {"language": "C99"})
-        for path in (x for x in self.sources() if x.endswith(".c")):
+        for path in self.compiled:
             ET.SubElement(files, "SourceFile", {"name": path})
         ET.indent(root)
         text = ET.tostring(root, encoding="unicode")
