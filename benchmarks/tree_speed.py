@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import argparse
 import ctypes
-import time
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ import moro
 import moro_codegen as mc
 from benchmarks import native
 from benchmarks.peers import pinocchio
-from benchmarks.timing import interleaved
+from benchmarks.timing import interleaved, seconds_of
 from moro.algorithms.coordinates import displacements
 from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import posture
@@ -105,8 +105,7 @@ def bare(model: Model) -> Model:
         )
         model = replace(model, joints=joints, coordinates=())
     coordinates = tuple(Coordinate(drive=Drive()) for _ in model.joints)
-    name = f"bare_{len(model.joints)}_{abs(hash(model.name)) % 10**6}"
-    return replace(model, coordinates=coordinates, name=name)
+    return replace(model, coordinates=coordinates, name="bare")
 
 
 def by_casadi(model: Model) -> str:
@@ -132,18 +131,14 @@ def by_pinocchio(model: Model, state: Any, out: Any) -> Any:
         c = h / m if m else h
         coms.append(c)
         inertias.append(np.array(body.inertia) - m * (c @ c * np.eye(3) - np.outer(c, c)))
-    places = [joint.placement for joint in numbers.joints]
-    turns = [
-        _turned(p.R, x.offset * x.type.is_angle)
-        for p, x in zip(places, numbers.joints, strict=True)
-    ]
+    turns = [_turned(x.placement.R, x.offset * x.type.is_angle) for x in numbers.joints]
     handle = native.handle(
         made.arm_new,
         model.nv,
         np.array([joint.parent for joint in model.joints], dtype=np.int32),
         np.array([joint.type.is_angle for joint in model.joints], dtype=np.int32),
         np.array(turns),
-        np.array([p.p for p in places]),
+        np.array([joint.placement.p for joint in numbers.joints]),
         np.array([body.mass for body in numbers.bodies]),
         np.array(coms),
         np.array(inertias),
@@ -154,10 +149,10 @@ def by_pinocchio(model: Model, state: Any, out: Any) -> Any:
     ins = (ctypes.POINTER(ctypes.c_double) * 3)(*map(_pointer, rows))
     outs = (ctypes.POINTER(ctypes.c_double) * 1)(_pointer(result))
 
-    def block(times: int) -> float:
+    def block(times: int, _kept: Any = rows) -> float:  # ins points to them
         seconds = _timed(lambda: made.tau_loop(handle, ctypes.c_size_t(CALLS), ins, outs), times)
         out[:] = result[0]
-        return seconds if rows else 0.0  # which hold the numbers that ins points to
+        return seconds
 
     return block
 
@@ -167,11 +162,10 @@ def _turned(R: Any, angle: float) -> Any:
     return np.array(R) @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
 
 
-def _timed(call: Any, times: int) -> float:
-    start = time.thread_time()
-    for _ in range(times):
-        call()
-    return time.thread_time() - start
+def _timed(call: Callable[[], object], times: int) -> float:
+    """Return the processor seconds of some calls."""
+    own, _ = seconds_of(lambda: [call() for _ in range(times)])
+    return own
 
 
 def _pointer(x: Any) -> Any:
