@@ -20,7 +20,8 @@ from benchmarks.charts import ARMS, draw_accuracy
 from moro.formats.loading import packaged
 from moro_codegen import build, compile
 from moro_codegen.functions.arguments import Argument
-from moro_codegen.functions.catalogue import Function, System
+from moro_codegen.functions.function import Function
+from moro_codegen.functions.system import System
 from moro_codegen.graph.nodes import Graph
 from moro_codegen.program import Program, routine
 from moro_codegen.proof.accuracy import sine_errors, tau_errors

@@ -13,8 +13,9 @@ from moro.checks.values import distinct_names
 from moro.model import Model, as_model
 from moro.robot import Robot
 from moro_codegen.functions.arguments import Argument
-from moro_codegen.functions.catalogue import Function, System, own_parameters
+from moro_codegen.functions.function import Function, own_parameters
 from moro_codegen.functions.requested import Request, requested
+from moro_codegen.functions.system import System
 from moro_codegen.graph.from_sympy import Converter
 from moro_codegen.graph.nodes import Graph, Node, count, parameters_of, replaced, schedule
 from moro_codegen.passes import PASSES, Pass

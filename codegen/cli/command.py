@@ -15,7 +15,7 @@ from moro.formats.loading import packaged
 from moro_codegen import FUNCTIONS, registry
 from moro_codegen.backends.toolchain import ToolchainError
 from moro_codegen.cli.robot_file import read, save
-from moro_codegen.functions.catalogue import Function
+from moro_codegen.functions.function import Function
 from moro_codegen.installation import versions
 
 #: what a person can cause: bad input, no compiler, a folder that cannot be written

@@ -9,6 +9,9 @@ from typing import TypeAlias
 #: a dimension is a number, or "n" for the number of joints
 Shape: TypeAlias = tuple[str | int, ...]
 
+#: what functions of a frame call it, unless another is asked for (``at_frame``)
+LAST = "the last frame"
+
 
 @dataclass(frozen=True)
 class Argument:
@@ -29,3 +32,23 @@ class Argument:
     def size(self) -> int:
         """The number of components."""
         return math.prod(self.sizes)
+
+
+# -- what several functions take or return ---------------------------------------------------------
+
+Q = Argument("q", ("n",), "rad or m", "joint positions")
+QD = Argument("qd", ("n",), "rad/s or m/s", "joint velocities")
+QDD = Argument("qdd", ("n",), "rad/s^2 or m/s^2", "joint accelerations")
+TAU = Argument(
+    "tau", ("n",), "N m or N", "joint torques, about the joint axes (forces, along them)"
+)
+WRENCH = Argument(
+    "wrench",
+    (6,),
+    "N, N m",
+    f"force, then moment about the origin of {LAST}, on its link; in frame 0",
+)
+M = Argument("M", ("n", "n"), "kg m^2 to kg", "inertia matrix, symmetric")
+C = Argument("C", ("n", "n"), "N m s to N s/m", "Coriolis matrix")
+G = Argument("G", ("n",), "N m or N", "torques (forces) against gravity")
+J = Argument("J", (6, "n"), "m/rad, 1", f"(v, omega) of {LAST} = J qd; in frame 0")

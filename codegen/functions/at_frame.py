@@ -8,8 +8,10 @@ from dataclasses import replace
 
 from moro.checks.frame_called import frame_called
 from moro.model import Model
-from moro_codegen.functions.arguments import Argument
-from moro_codegen.functions.catalogue import FUNCTIONS, LAST, Function, System
+from moro_codegen.functions.arguments import LAST, Argument
+from moro_codegen.functions.catalogue import FUNCTIONS
+from moro_codegen.functions.function import Function
+from moro_codegen.functions.system import System
 from moro_codegen.graph.nodes import Node
 
 

@@ -14,7 +14,9 @@ from moro.algorithms.body_regressor import PARAMETERS, body_regressor
 from moro.identification.base_parameters import base_parameters_of, terms_of_drive
 from moro.model import Model
 from moro.spatial.vectors import Scalar
-from moro_codegen.functions.catalogue import REGRESSOR, Function, Outputs, System
+from moro_codegen.functions.catalogue import REGRESSOR
+from moro_codegen.functions.function import Function, Outputs
+from moro_codegen.functions.system import System
 from moro_codegen.graph.from_sympy import Converter
 from moro_codegen.graph.nodes import Node
 

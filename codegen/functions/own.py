@@ -21,8 +21,9 @@ from moro.abc import t
 from moro.checks.values import number, suggestion
 from moro.model import Model, as_model
 from moro_codegen import registry
-from moro_codegen.functions.arguments import Argument
-from moro_codegen.functions.catalogue import QD, QDD, Function, Q, System
+from moro_codegen.functions.arguments import QD, QDD, Argument, Q
+from moro_codegen.functions.function import Function
+from moro_codegen.functions.system import System
 from moro_codegen.graph.from_sympy import Converter
 from moro_codegen.graph.nodes import Graph, Node
 

@@ -10,7 +10,8 @@ from moro.checks.meant import hint
 from moro.model import Model
 from moro_codegen.functions.at_frame import at_frame
 from moro_codegen.functions.base_regressor import Regressor
-from moro_codegen.functions.catalogue import FUNCTIONS, KNOWN, REGRESSOR, Function
+from moro_codegen.functions.catalogue import FUNCTIONS, KNOWN, REGRESSOR
+from moro_codegen.functions.function import Function
 from moro_codegen.functions.own import UserFunction
 from moro_codegen.functions.together import together
 

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from moro_codegen.functions.arguments import Argument
-from moro_codegen.functions.catalogue import Function, System, own_parameters
+from moro_codegen.functions.function import Function, own_parameters
+from moro_codegen.functions.system import System
 from moro_codegen.graph.nodes import Node
 
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from moro.model import REVOLUTE, Body, Joint, Model, Placement
 from moro_codegen.functions.arguments import Argument
-from moro_codegen.functions.catalogue import Function, System
+from moro_codegen.functions.function import Function
+from moro_codegen.functions.system import System
 from moro_codegen.graph.nodes import Graph
 from moro_codegen.program import Program, routine
 from moro_codegen.signature import RuntimeParameter

@@ -12,7 +12,7 @@ from programs import EVERYTHING, evaluate, everything_program, program, vector
 
 from moro_codegen.backends.c_text import emit
 from moro_codegen.backends.toolchain import find_compiler
-from moro_codegen.functions.catalogue import Function
+from moro_codegen.functions.function import Function
 from moro_codegen.program import generate
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")

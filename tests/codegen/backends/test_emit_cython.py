@@ -13,7 +13,7 @@ from moro_codegen.backends import extension
 from moro_codegen.backends.cython import emit
 from moro_codegen.backends.toolchain import ToolchainError, find_compiler
 from moro_codegen.functions.arguments import Argument
-from moro_codegen.functions.catalogue import Function
+from moro_codegen.functions.function import Function
 from moro_codegen.pipeline import build
 
 MATRIX = Function(

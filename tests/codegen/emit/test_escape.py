@@ -23,7 +23,7 @@ from moro_codegen.backends.numpy import emit as emit_numpy
 from moro_codegen.backends.toolchain import find_compiler
 from moro_codegen.emit.escape import c_comment, printable, python_docstring
 from moro_codegen.functions.arguments import Argument
-from moro_codegen.functions.catalogue import Function
+from moro_codegen.functions.function import Function
 from moro_codegen.pipeline import build
 
 STRIKE = "open('struck', 'w')"

@@ -13,7 +13,7 @@ from robots import random_robot
 import moro as mr
 from moro.abc import t
 from moro_codegen.functions.base_regressor import regressor
-from moro_codegen.functions.catalogue import System
+from moro_codegen.functions.system import System
 from moro_codegen.graph.from_sympy import Converter
 from moro_codegen.graph.nodes import Graph
 from moro_codegen.pipeline import build

@@ -33,7 +33,8 @@ from moro.algorithms.drives import Functions, drive_torques
 from moro.algorithms.factorization import factorized, solution
 from moro.algorithms.newton_euler import joint_torques
 from moro.model import Coordinate
-from moro_codegen.functions.catalogue import FUNCTIONS, System
+from moro_codegen.functions.catalogue import FUNCTIONS
+from moro_codegen.functions.system import System
 from moro_codegen.graph.from_sympy import Converter
 from moro_codegen.graph.nodes import Graph, count, schedule
 from moro_codegen.passes import equivalent_postures

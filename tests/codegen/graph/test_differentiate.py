@@ -11,7 +11,8 @@ from robots import random_robot
 
 import moro as mr
 import moro_codegen as mc
-from moro_codegen.functions.catalogue import FUNCTIONS, System
+from moro_codegen.functions.catalogue import FUNCTIONS
+from moro_codegen.functions.system import System
 from moro_codegen.graph.derivatives import jacobian
 from moro_codegen.graph.from_sympy import Converter
 from moro_codegen.graph.nodes import Graph, count, schedule

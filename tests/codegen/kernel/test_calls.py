@@ -13,7 +13,7 @@ from programs import EVERYTHING, PARAMETERS, program
 
 from moro_codegen.calls import Calls, Operand
 from moro_codegen.functions.arguments import Argument
-from moro_codegen.functions.catalogue import Function
+from moro_codegen.functions.function import Function
 from moro_codegen.pipeline import build
 
 SQUARES = Function(

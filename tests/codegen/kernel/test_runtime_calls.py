@@ -15,7 +15,7 @@ from programs import PARAMETERS, program, vector
 
 from moro_codegen import Kernel
 from moro_codegen._runtime import Function, Library, gufunc
-from moro_codegen.functions.catalogue import Function as Entry
+from moro_codegen.functions.function import Function as Entry
 from moro_codegen.pipeline import build
 from moro_codegen.program import generate
 

@@ -12,7 +12,7 @@ from recursion import inverse_dynamics
 
 from moro.algorithms.newton_euler import joint_torques
 from moro.model import REVOLUTE, Placement
-from moro_codegen.functions.catalogue import System
+from moro_codegen.functions.system import System
 from moro_codegen.graph.from_sympy import Converter
 from moro_codegen.graph.nodes import Graph, constant_value
 from moro_codegen.passes import equivalent_postures

@@ -1,0 +1,84 @@
+"""Torques for a motion: tau and what it is the sum of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from moro.algorithms.drives import spring_torques
+from moro.algorithms.external_wrench import joint_torques_in_contact
+from moro.algorithms.newton_euler import joint_torques
+from moro.algorithms.posture import Posture
+from moro.spatial.vectors import Scalar
+from moro_codegen.functions.arguments import LAST, QD, QDD, TAU, WRENCH, Argument, G, Q
+from moro_codegen.functions.function import Function, Outputs
+from moro_codegen.functions.system import System, sum_of
+from moro_codegen.graph.nodes import Node
+
+
+def _tau(system: System, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]) -> Outputs:
+    tau = system.dynamics(system.posture(q), lambda arm: joint_torques(arm, qd, qdd))
+    return [sum_of(tau, system.drives(q, qd, qdd))]
+
+
+def _tau_with_wrench(
+    system: System,
+    q: Sequence[Node],
+    qd: Sequence[Node],
+    qdd: Sequence[Node],
+    wrench: Sequence[Node],
+) -> Outputs:
+    def rigid(arm: Posture) -> Sequence[Scalar]:
+        return joint_torques_in_contact(arm, qd, qdd, wrench)
+
+    tau = system.dynamics(system.with_tip(q), rigid)
+    return [sum_of(tau, system.drives(q, qd, qdd))]
+
+
+def _bias(system: System, q: Sequence[Node], qd: Sequence[Node]) -> Outputs:
+    still = [0] * system.model.nv
+    bias = system.dynamics(system.posture(q), lambda arm: joint_torques(arm, qd, still))
+    return [sum_of(bias, system.drives(q, qd, still))]
+
+
+def _gravity_vector(system: System, q: Sequence[Node]) -> Outputs:
+    still = [0] * system.model.nv
+    gravity = system.dynamics(system.posture(q), lambda arm: joint_torques(arm, still, still))
+    return [sum_of(gravity, spring_torques(system.model, q))]
+
+
+FUNCTIONS = (
+    Function(
+        "tau",
+        (Q, QD, QDD),
+        (TAU,),
+        "Inverse dynamics: M(q) qdd + C(q, qd) qd + G(q), with rotor inertia and friction.",
+        _tau,
+        "recursive Newton-Euler",
+    ),
+    Function(
+        "tau_with_wrench",
+        (Q, QD, QDD, WRENCH),
+        (TAU,),
+        "Inverse dynamics against a wrench w that the environment exerts on the link of "
+        f"{LAST}: M(q) qdd + C(q, qd) qd + G(q) - J(q)^T w, with rotor inertia and friction.",
+        _tau_with_wrench,
+        f"recursive Newton-Euler, with the wrench on a further link at {LAST}",
+        frame="",
+    ),
+    Function(
+        "bias",
+        (Q, QD),
+        (Argument("bias", ("n",), "N m or N", "torques (forces) for zero acceleration"),),
+        "What tau is without joint accelerations: C(q, qd) qd + G(q), with friction.",
+        _bias,
+        "recursive Newton-Euler for qdd = 0",
+    ),
+    Function(
+        "gravity_vector",
+        (Q,),
+        (G,),
+        "Gravity vector G(q), the gradient of P.",
+        _gravity_vector,
+        "recursive Newton-Euler at rest",
+    ),
+)

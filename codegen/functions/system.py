@@ -1,0 +1,108 @@
+"""A model whose scalars are nodes of a graph: what functions are built from.
+
+A function that follows from M(q) and G(q) alone is the same for an arm with fewer inertial
+parameters and other frames: it is built for several such arms, and the one that takes the fewest
+operations is kept (``System.dynamics``). Where the last frame is, and how high the masses are, has
+to be asked of the arm itself (``System.geometry``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import chain
+from typing import Any
+
+from moro.algorithms.coordinates import displacements
+from moro.algorithms.drives import Functions, drive_torques, spring_torques
+from moro.algorithms.posture import Posture, posture, with_frame
+from moro.model import Model
+from moro.spatial.vectors import Scalar
+from moro_codegen.graph.nodes import Graph, Node, fewest
+from moro_codegen.passes import PASSES, Pass, equivalent_postures, rearranged
+from moro_codegen.passes.factor import factored
+
+#: from an arm in a posture to results, flat
+Algorithm = Callable[[Posture], Sequence[Scalar]]
+
+
+@dataclass(frozen=True)
+class System:
+    """A model whose scalars are nodes of a graph."""
+
+    graph: Graph
+    model: Model
+    #: leave out rotor inertia and friction
+    rigid: bool = False
+    #: the run-time parameters, by symbol
+    parameters: Mapping[Any, Node] = field(default_factory=dict)
+    #: what its functions are made small by
+    passes: tuple[Pass, ...] = PASSES
+
+    @property
+    def rotors(self) -> list[Scalar]:
+        """The rotor inertias."""
+        return [0 if self.rigid else x.drive.rotor_inertia for x in self.model.coordinates]
+
+    def posture(self, q: Sequence[Node]) -> Posture:
+        """Return the arm at q."""
+        angles = displacements(self.model, q)
+        pairs = [(self.graph.sin(angle), self.graph.cos(angle)) for angle in angles]
+        return posture(self.model, q, pairs)
+
+    def with_tip(self, q: Sequence[Node]) -> Posture:
+        """Return the arm with its joints at q, and the last frame as a further link."""
+        tip = self.model.tip
+        return with_frame(self.posture(q), tip.link, tip.placement)
+
+    def dynamics(self, arm: Posture, *algorithms: Algorithm) -> list[Node]:
+        """Return the results of the algorithm, and for the equivalent arm, that are cheapest."""
+        return fewest(self._alternatives(arm, algorithms), self.graph)
+
+    def _alternatives(
+        self, arm: Posture, algorithms: Sequence[Algorithm]
+    ) -> Iterator[Sequence[Scalar]]:
+        """Yield the results of every algorithm for every equivalent arm.
+
+        With run-time parameters, again with sums searched for what cancels: parameters that the
+        equations do not have, at the cost of parts that sums shared.
+        """
+        arms = list(equivalent_postures(arm, self.passes))
+        yield from (run(arm) for run in algorithms for arm in arms)
+        if self.graph.has_parameters:
+            self.graph.cancels = True
+            for run in algorithms:
+                for other in equivalent_postures(arm, self.passes):
+                    yield factored([self.graph.constant(x) for x in run(other)])
+            self.graph.cancels = False
+
+    def geometry(self, q: Sequence[Node], algorithm: Algorithm) -> list[Node]:
+        """Return the cheapest results for the arm itself, with frame n as a further link."""
+        arm = self.with_tip(q)
+        return fewest((algorithm(x) for x in rearranged(arm, self.passes)), self.graph)
+
+    def drives(
+        self, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Scalar]
+    ) -> Sequence[Scalar]:
+        """Return the torques of rotor inertia, friction and springs."""
+        springs = spring_torques(self.model, q)
+        if self.rigid:
+            return springs
+        return sum_of(drive_torques(self.model, qd, qdd, self.functions), springs)
+
+    @property
+    def functions(self) -> Functions:
+        """What friction is made of."""
+        call = self.graph.call
+        return Functions(self.graph.sign, partial(call, "tanh"), partial(call, "exp"))
+
+
+def flat(rows: Iterable[Iterable[Scalar]]) -> list[Scalar]:
+    """Return the entries of rows, one after another."""
+    return list(chain.from_iterable(rows))
+
+
+def sum_of(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
+    """Return a + b."""
+    return [x + y for x, y in zip(a, b, strict=True)]
