@@ -135,7 +135,7 @@ class Source(ABC):
             _symbol(key)  # is one, or a name
         self._defaults = {
             symbol: _default(symbol, value)
-            for symbol, value in self._by_symbol(defaults, "parameters").items()
+            for symbol, value in self.by_symbol(defaults, "parameters").items()
         }
 
     def declare(self, defaults: Mapping[Any, Any]) -> None:
@@ -153,7 +153,7 @@ class Source(ABC):
 
         Raises ValueError for a symbol that the model does not hold.
         """
-        new = self._by_symbol(values, "values")
+        new = self.by_symbol(values, "values")
         for symbol, value in new.items():
             checks.constant(value, f"value of {symbol}", self.qs)
         source = self._substituted({symbol: sp.sympify(value) for symbol, value in new.items()})
@@ -183,7 +183,7 @@ class Source(ABC):
             return type(x)(map(self._shown, x))
         return in_decimals(x) if self.decimal else x
 
-    def _by_symbol(self, values: Any, what: str) -> dict[Any, Any]:
+    def by_symbol(self, values: Any, what: str) -> dict[Any, Any]:
         """Return {symbol: value} for symbols of the model, or their names.
 
         Raises ValueError, with the nearest symbol, for one that it does not hold.

@@ -4,6 +4,7 @@ derivation       the model, its closed forms, how they are shown; results are ke
 kinematics       joints, frames, Jacobians, velocities
 dynamics         energies, M, C, G, equations of motion
 identification   base parameters, regressor
+substitution     values put into results
 """
 
 from __future__ import annotations
@@ -15,9 +16,10 @@ import sympy as sp
 from moro.mechanics.dynamics import Dynamics
 from moro.mechanics.identification import Identification
 from moro.mechanics.kinematics import Kinematics
+from moro.mechanics.substitution import Substitution
 
 
-class Mechanics(Kinematics, Dynamics, Identification):
+class Mechanics(Kinematics, Dynamics, Identification, Substitution):
     """What follows from the model that a source makes.
 
     Joints and links are counted from 1, frames from 0 (the base). Frame i is the model's frame
