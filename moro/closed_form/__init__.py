@@ -2,6 +2,8 @@
 
 geometry   frames, joint axes, Jacobians, velocities
 dynamics   M, Christoffel symbols, C, G; energies, Euler-Lagrange
+slopes     how M qdd + C qd + G changes with the state
+inverse    the inverse of M, by cofactors
 """
 
 from moro.closed_form.dynamics import ClosedForm

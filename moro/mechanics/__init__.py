@@ -5,6 +5,8 @@ kinematics       joints, frames, Jacobians, velocities
 dynamics         energies, M, C, G, equations of motion
 identification   base parameters, regressor
 substitution     values put into results
+state_space      accelerations, x' = f(x, u)
+linearization    A and B at a point
 """
 
 from __future__ import annotations
@@ -13,13 +15,12 @@ from typing import Any
 
 import sympy as sp
 
-from moro.mechanics.dynamics import Dynamics
 from moro.mechanics.identification import Identification
 from moro.mechanics.kinematics import Kinematics
-from moro.mechanics.substitution import Substitution
+from moro.mechanics.linearization import Linearization
 
 
-class Mechanics(Kinematics, Dynamics, Identification, Substitution):
+class Mechanics(Kinematics, Linearization, Identification):
     """What follows from the model that a source makes.
 
     Joints and links are counted from 1, frames from 0 (the base). Frame i is the model's frame

@@ -72,14 +72,14 @@ class Derivation:
 
     @property
     def _form(self) -> ClosedForm:
-        def made() -> ClosedForm:
-            form = ClosedForm(self._model, TrigRing())
-            # one order of generators, whatever is asked for first: equal results are identical
-            for symbol in (*self.qs, *self._velocities(), *self._model.defaults):
-                form.ring.generator(symbol)
-            return form
+        return self._kept("closed form", lambda: self._form_over(TrigRing()))
 
-        return self._kept("closed form", made)
+    def _form_over(self, ring: TrigRing) -> ClosedForm:
+        form = ClosedForm(self._model, ring)
+        # one order of generators, whatever is asked for first: equal results are identical
+        for symbol in (*self.qs, *self._velocities(), *self._model.defaults):
+            ring.generator(symbol)
+        return form
 
     @property
     def _ring(self) -> TrigRing:

@@ -157,9 +157,11 @@ class Dynamics(Derivation):
     def _euler_lagrange(self) -> list[Trig]:
         return self._at_rest(self._form.euler_lagrange(*self._motion))
 
-    def _friction(self, i: int) -> Any:
+    def _friction(self, i: int, rate: Any = None) -> Any:
+        """Return the friction of a coordinate, at its own rate by default."""
         q, drive = self.qs[i], self._model.coordinates[i].drive
-        terms = terms_of_drive(drive, q, q.diff(t), Functions(sp.sign, sp.tanh, sp.exp))
+        rate = q.diff(t) if rate is None else rate
+        terms = terms_of_drive(drive, q, rate, Functions(sp.sign, sp.tanh, sp.exp))
         found = drive_coefficients(self._model, i)
         friction = (x * terms[name] for name, x in found.items() if name.startswith("F"))
         return sum(friction, sp.Integer(0))

@@ -33,12 +33,12 @@ class Substitution(Derivation):
     ) -> Any:
         """Return a result with values for joint variables, velocities and accelerations.
 
-        ``result`` is an expression, a matrix, an equation, a list of these, or what ``collect=True``
-        gives; it comes back as the same. ``q``, ``qd``, ``qdd`` have n values each [rad, m, s], None
-        for those that stay; ``parameters`` maps symbols, or their names, to values. Values are
-        numbers or expressions: exact ones stay exact, floats give numbers. Where ``q`` (or ``qd``)
-        holds the time t, a trajectory, rates that are not given are its derivatives; else they stay
-        symbols.
+        ``result`` is an expression, a matrix, an equation, a list of these, or what
+        ``collect=True`` gives; it comes back as the same. ``q``, ``qd``, ``qdd`` have n values each
+        [rad, m, s], None for those that stay; ``parameters`` maps symbols, or their names, to
+        values. Values are numbers or expressions: exact ones stay exact, floats give numbers. Where
+        ``q`` (or ``qd``) holds the time t, a trajectory, rates that are not given are its
+        derivatives; else they stay symbols.
         """
         motion = [self._values_of(values, "q" + "d" * k) for k, values in enumerate((q, qd, qdd))]
         fixed = self._source.by_symbol(parameters or {}, "parameters")
@@ -68,7 +68,7 @@ class Substitution(Derivation):
         if isinstance(result, Equations):
             return Equations(map(put, result), self._notation)
         if isinstance(result, SymbolicRegressor):
-            return SymbolicRegressor(*map(put, result), self._notation)
+            return SymbolicRegressor(put(result.Y), put(result.p), self._notation)
         if isinstance(result, (list, tuple)):
             return type(result)(map(put, result))
         if isinstance(result, sp.MatrixBase):

@@ -81,9 +81,20 @@ class Display:
             return expr.applyfunc(self.simplified)
         return self(self.ring.convert(expr))
 
-    def over(self, ring: TrigRing, inertial: Iterable[Any]) -> Display:
-        """Return a display that writes alike, for another ring and its masses and inertias."""
-        return Display(ring, inertial, self._velocity_symbols, self._decimal)
+    def over(
+        self,
+        ring: TrigRing,
+        inertial: Iterable[Any] | None = None,
+        forces: Iterable[Any] = (),
+        decimal: bool = False,
+    ) -> Display:
+        """Return a display that writes alike, for another ring, and for masses and inertias there.
+
+        It groups by ``forces`` as by velocities. With ``decimal`` it writes decimals.
+        """
+        inertial = self._inertial_symbols if inertial is None else inertial
+        rates = [*self._velocity_symbols, *forces]
+        return Display(ring, inertial, rates, self._decimal or decimal)
 
     # -- shorter terms ----------------------------------------------------------------------------
 

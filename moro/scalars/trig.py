@@ -111,7 +111,9 @@ class Trig:
     __rmul__ = __mul__
 
     def __truediv__(self, other: Coefficient) -> Trig:
-        return self * Fraction(1, other)
+        if other == 1:
+            return self
+        return Trig(self.ring, {m: _as_integer(Fraction(c) / other) for m, c in self.terms.items()})
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, Trig):

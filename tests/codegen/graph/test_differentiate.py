@@ -124,3 +124,6 @@ def test_kernels_of_derivatives_hold_together(backend, tmp_path):
     np.testing.assert_allclose(inverse @ M, np.broadcast_to(np.eye(6), M.shape), atol=1e-9)
     np.testing.assert_allclose(a_by_q, -inverse @ by_q, atol=1e-7)
     np.testing.assert_allclose(a_by_qd, -inverse @ by_qd, atol=1e-7)
+    linear = sp.Matrix.hstack(*robot.linearize(*map(list, (q[0], qd[0], tau[0]))))[6:, :]
+    found = np.hstack([a_by_q[0], a_by_qd[0], inverse[0]])
+    np.testing.assert_allclose(found, np.array(linear, dtype=float), rtol=1e-9, atol=1e-9)

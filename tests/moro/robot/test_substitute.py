@@ -20,7 +20,7 @@ def robot():
 def test_rates_stay_symbols_where_positions_are_numbers(robot):
     C = robot.substitute(robot.coriolis_matrix(), q=[0, sp.pi / 2])
     h = -m2 * l1 * lc2
-    assert C == sp.Matrix([[h * qd2, h * (qd1 + qd2)], [-h * qd1, 0]])
+    assert sp.Matrix([[h * qd2, h * (qd1 + qd2)], [-h * qd1, 0]]) == C
     assert robot.substitute(qd1 + q1 + q2, q=[0.25, None]) == qd1 + 0.25 + q2
 
 
