@@ -167,7 +167,7 @@ def without_unused(routines: Sequence[Routine]) -> tuple[tuple[Routine, ...], li
     inputs = list(parameter_nodes(graph, range(used[-1] + 1)).values())
     new = {inputs[k]: inputs[i] for i, k in enumerate(used)}
     return tuple(
-        _scheduled(x.function, x.inputs, x.outputs, replaced(x.results, new)) for x in routines
+        scheduled(x.function, x.inputs, x.outputs, replaced(x.results, new)) for x in routines
     ), used
 
 
@@ -191,10 +191,10 @@ def arranged(
     nodes = [[graph.input(a.name, k) for k in range(a.size)] for a in inputs]
     flat = [x for output in build(*nodes) for x in output]
     results = factored(flat) if Pass.COMMON_FACTORS in passes else flat
-    return _scheduled(function, inputs, outputs, results)
+    return scheduled(function, inputs, outputs, results)
 
 
-def _scheduled(
+def scheduled(
     function: Function,
     inputs: tuple[Argument, ...],
     outputs: tuple[Argument, ...],

@@ -89,7 +89,7 @@ def _on_terminal(line: ProgressLine, over: threading.Event) -> None:
 def _in_notebook(line: ProgressLine, over: threading.Event) -> None:
     if over.wait(PATIENCE):
         return
-    from IPython.display import DisplayHandle  # type: ignore[import-not-found]
+    from IPython.display import DisplayHandle
 
     handle = DisplayHandle()
     handle.display({"text/plain": str(line)}, raw=True)

@@ -115,9 +115,15 @@ SCALARS: dict[str, dict[str, Any]] = {
 }
 
 
-def emit(program: Program) -> dict[str, str]:
-    """Return the texts of ``<name>.c`` and ``<name>.h``, by file name."""
-    return {f"{program.name}.c": source(program), f"{program.name}.h": _header(program)}
+def emit(program: Program, *, batch: bool = True) -> dict[str, str]:
+    """Return the texts of ``<name>.c`` and ``<name>.h``, by file name.
+
+    Without ``batch`` there are the functions for one sample only.
+    """
+    return {
+        f"{program.name}.c": source(program, batch=batch),
+        f"{program.name}.h": _header(program, batch),
+    }
 
 
 def source(program: Program, *, batch: bool = True, sincos: str = "", data: str = "") -> str:
@@ -149,7 +155,7 @@ def source(program: Program, *, batch: bool = True, sincos: str = "", data: str 
     )
 
 
-def _header(program: Program) -> str:
+def _header(program: Program, batch: bool) -> str:
     """Return the text of ``<name>.h``."""
     notes = [
         *conventions(program),
@@ -157,7 +163,7 @@ def _header(program: Program) -> str:
         "No allocation, no state, no locks: safe in real-time loops and several threads.",
     ]
     guard = f"{program.name.upper()}_H"
-    return render("kernel.h.jinja", notes=notes, guard=guard, **described(program))
+    return render("kernel.h.jinja", notes=notes, guard=guard, batch=batch, **described(program))
 
 
 def described(program: Program) -> dict[str, Any]:

@@ -1,4 +1,7 @@
-"""Derivatives of graphs, forwards: one pass a variable, through the nodes it reaches and no others.
+"""Derivatives of graphs, forwards and backwards.
+
+Forwards is one pass a variable, through the nodes it reaches and no others; backwards one pass for
+all variables, of one sum of results.
 
 What a joint does not move has no derivative and costs nothing. The sine and the cosine of an angle
 are each other's derivatives, so they are at hand. The graph makes equal nodes only once, so what
@@ -35,6 +38,48 @@ def _column(
             if slope is not graph.zero:
                 slopes[node] = slope
     return [slopes.get(node, graph.zero) for node in results]
+
+
+def gradient(
+    results: Sequence[Node], weights: Sequence[Node], variables: Sequence[Node]
+) -> list[Node]:
+    """Return the derivatives of the sum of weights_i results_i by all variables, backwards.
+
+    The derivative of ``sign`` is 0: it has none where it jumps.
+    """
+    if not results:
+        return []
+    graph = results[0].graph
+    slopes: dict[Node, Node] = {}
+
+    def add(node: Node, slope: Node) -> None:
+        if slope is not graph.zero:
+            slopes[node] = slopes.get(node, graph.zero) + slope
+
+    for result, weight in zip(results, weights, strict=True):
+        add(result, weight)
+    for node in reversed(schedule(results)):
+        if node in slopes:
+            for operand, partial in zip(node.args, _partials(graph, node), strict=True):
+                add(operand, slopes[node] * partial)
+    return [slopes.get(variable, graph.zero) for variable in variables]
+
+
+def _partials(graph: Graph, node: Node) -> tuple[Node, ...]:
+    """Return the derivatives of an operation by its operands."""
+    a = node.args
+    match node.op:
+        case "add":
+            return graph.one, graph.one
+        case "sub":
+            return graph.one, -graph.one
+        case "mul":
+            return a[1], a[0]
+        case "div":
+            return 1 / a[1], -(node / a[1])
+        case "call":
+            return _CALLS[node.value](graph, node, *a)
+    return (_slope(graph, node, (graph.one,)),)
 
 
 def _slope(graph: Graph, node: Node, d: Sequence[Node]) -> Node:

@@ -1,28 +1,18 @@
-"""CasADi: a library of external functions, dense, with Jacobians by the derivative kernels."""
+"""CasADi: a library of external functions, with their exact first and second derivatives."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 from moro_codegen.backends import c_text
 from moro_codegen.emit.render import render
-from moro_codegen.functions.arguments import Argument
-from moro_codegen.program import Program, generate
+from moro_codegen.program import Program, Routine
 from moro_codegen.signature import Signature
 from moro_codegen.targets import Export, Target
+from moro_codegen.targets.derivatives import MOST, Differentiable, Matrix, differentiated
 from moro_codegen.targets.python import made
-
-#: {function: (the one that has its derivatives, what that takes, its results by the inputs)}
-#: a dot stands for zeros
-DERIVATIVES = {
-    "tau": ("tau_derivatives", "q qd qdd", (0, 1, 2)),
-    "bias": ("tau_derivatives", "q qd .", (0, 1)),
-    "gravity_vector": ("tau_derivatives", "q . .", (0,)),
-    "forward_dynamics": ("forward_dynamics_derivatives", "q qd tau", (0, 1, 2)),
-}
 
 
 class CasADi(Target):
@@ -32,102 +22,95 @@ class CasADi(Target):
     reserved = c_text.RESERVED | {"given", "room", "put"}
 
     def files(self, export: Export) -> dict[str, str]:
-        """Return sources, Makefile and words. Raise ValueError for single precision."""
+        """Return sources, Makefile and words.
+
+        Raise ValueError for single precision, and for functions called like another's derivatives.
+        """
         if export.program.scalar != "double":
             raise ValueError("CasADi computes in double precision: leave out --scalar float")
-        whole = _with_derivatives(export)
+        functions = list(differentiated(export.model, export.program))
+        _distinct(functions)
+        routines = {r.function.name: r for r in export.program.routines}
+        routines |= {d.name: d.routine for _, more in functions for d in more if d.routine}
+        whole = replace(export.program, routines=tuple(routines.values()))
         name = export.name
         holes: dict[str, Any] = {
             "name": name,
-            "functions": list(_functions(export.program, whole)),
+            "functions": list(_externals(whole, functions, routines)),
+            "described": [_described(f, more) for f, more in functions],
             "parameters": [x.name for x in export.program.parameters],
+            "most": f"{MOST:,}",
             "made": made(export),
         }
         return {
-            **c_text.emit(whole),
+            **c_text.emit(whole, batch=False),
             f"{name}_casadi.c": render("export_casadi.c.jinja", **holes),
             "Makefile": render("export_casadi_makefile.jinja", **holes),
             "README.md": render("export_casadi_readme.md.jinja", **holes),
         }
 
 
-def _with_derivatives(export: Export) -> Program:
-    """Return the program with the functions that have its functions' derivatives."""
-    program = export.program
-    if program.parameters:
-        return program
-    there = {s.name for s in program.signatures}
-    needed = dict.fromkeys(DERIVATIVES[x][0] for x in there if x in DERIVATIVES)
-    more = tuple(x for x in needed if x not in there)
-    if not more:
-        return program
-    return replace(program, routines=(*program.routines, *generate(export.model, more).routines))
+def _distinct(functions: Sequence[tuple[Differentiable, Sequence[Differentiable]]]) -> None:
+    """Raise ValueError if a function is called like the derivatives of another."""
+    own = {f.name for f, _ in functions}
+    for f, more in functions:
+        for d in more:
+            if d.name in own:
+                raise ValueError(f"no function can be called {d.name}: to CasADi it is {f.name}'s")
 
 
-def _functions(asked: Program, whole: Program) -> Iterator[dict[str, Any]]:
-    signatures = {s.name: s for s in whole.signatures}
-    for s in asked.signatures:
-        needed, takes, blocks = DERIVATIVES.get(s.name, ("", "", ()))
-        known = needed in signatures and not asked.parameters
-        yield {**_external(asked.name, s), "has_jacobian": known, "is_jacobian": False}
-        if known:
-            yield _jacobian(asked.name, s, signatures[needed], takes.split(), blocks)
-
-
-def _external(prefix: str, s: Signature) -> dict[str, Any]:
-    """Return what the template says of a function."""
-    inputs, outputs = list(map(_array, s.inputs)), list(map(_array, s.outputs))
-    taken = [{"given": f"arg[{k}]", "size": a["size"]} for k, a in enumerate(inputs)]
-    results = [{**a, "from": k} for k, a in enumerate(outputs)]
-    return {"name": s.name, "inputs": inputs, **_called(prefix, s, taken), "results": results}
-
-
-def _jacobian(
-    prefix: str, s: Signature, by: Signature, takes: list[str], blocks: tuple[int, ...]
-) -> dict[str, Any]:
-    """Return jac_f, which CasADi hands the results of f too."""
-    names = [a.name for a in s.inputs]
-    (out,) = s.outputs
-    inputs = [*map(_array, s.inputs), {**_array(out), "name": f"out_{out.name}"}]
-    taken = [
-        {"given": "NULL" if x == "." else f"arg[{names.index(x)}]", "size": a.size}
-        for x, a in zip(takes, by.inputs, strict=True)
-    ]
-    results = [
-        {**_array(by.outputs[k]), "from": k, "name": f"jac_{out.name}_{x}"}
-        for k, x in zip(blocks, names, strict=True)
-    ]
+def _described(f: Differentiable, derivatives: Sequence[Differentiable]) -> dict[str, Any]:
+    """Return what the words say of a function."""
+    there = {d.name for d in derivatives}
     return {
-        "name": f"jac_{s.name}",
-        "inputs": inputs,
-        **_called(prefix, by, taken),
-        "results": results,
-        "has_jacobian": False,
-        "is_jacobian": True,
+        "call": f"{f.name}({', '.join(a.name for a in f.inputs)})",
+        "results": ", ".join(a.name for a in f.outputs),
+        "first": f"jac_{f.name}" in there,
+        "second": f"jac_adj1_{f.name}" in there,
     }
 
 
-def _called(prefix: str, s: Signature, taken: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the call of a function of the kernel, and the work space that it takes."""
-    outputs = [_array(a) for a in s.outputs]
-    arguments = [f"x{k}" for k in range(len(taken))] + [f"y{k}" for k in range(len(outputs))]
+def _externals(
+    program: Program,
+    functions: Sequence[tuple[Differentiable, Sequence[Differentiable]]],
+    routines: dict[str, Routine],
+) -> Iterator[dict[str, Any]]:
+    """Yield what the template says of every function and every derivative."""
+    for f, derivatives in functions:
+        for d in (f, *derivatives):
+            routine = routines.get(d.name)
+            signature = program.signature(routine) if routine else None
+            yield _external(d, program.name, signature, d is f)
+
+
+def _external(f: Differentiable, prefix: str, s: Signature | None, rowwise: bool) -> dict[str, Any]:
+    """Return what the template says of a function; ``rowwise``: its matrices come row by row."""
+    names = [a.name for a in f.inputs]
+    taken = [{"index": names.index(a.name), "size": a.size} for a in s.inputs] if s else []
+    results = []
+    for k, a in enumerate(f.outputs):
+        if size := len(a.places):
+            rows, columns = (a.rows, a.columns) if rowwise else (size, 1)
+            results.append({"index": k, "rows": rows, "columns": columns, "size": size})
+    arguments = [f"x{k}" for k in range(len(taken))] + [f"y{k}" for k in range(len(results))]
     return {
+        "name": f.name,
+        "inputs": [{"name": a.name, "pattern": _pattern(a)} for a in f.inputs],
+        "outputs": [{"name": a.name, "pattern": _pattern(a)} for a in f.outputs],
         "taken": taken,
-        "made": outputs,
-        "call": f"{prefix}_{s.name}({', '.join(arguments)})",
-        "work": sum(a["size"] for a in (*taken, *outputs)),
+        "results": results,
+        "call": s and f"{prefix}_{s.name}({', '.join(arguments)})",
+        "work": sum(a["size"] for a in (*taken, *results)),
     }
 
 
-def _array(a: Argument) -> dict[str, Any]:
-    """Return an array as a matrix of CasADi's."""
-    rows = a.sizes[0] if a.sizes else 1
-    return {
-        "name": a.name,
-        "rows": rows,
-        "columns": math.prod(a.sizes[1:]),
-        "size": a.size,
-    }
+def _pattern(a: Matrix) -> list[int]:
+    """Return which entries there are, as CasADi has it: all, or by columns."""
+    if a.entries and len(a.places) == a.size:
+        return [a.rows, a.columns, 1]
+    columns = [k // a.rows for k in a.places]
+    starts = [sum(c < column for c in columns) for column in range(a.columns + 1)]
+    return [a.rows, a.columns, *starts, *(k % a.rows for k in a.places)]
 
 
 TARGET = CasADi()

@@ -13,9 +13,10 @@ import moro as mr
 import moro_codegen as mc
 from moro_codegen.functions.catalogue import FUNCTIONS
 from moro_codegen.functions.system import System
-from moro_codegen.graph.derivatives import jacobian
+from moro_codegen.graph.derivatives import gradient, jacobian
 from moro_codegen.graph.from_sympy import Converter
 from moro_codegen.graph.nodes import Graph, count, schedule
+from moro_codegen.graph.precise import vanishing
 from moro_codegen.program import generate
 
 #: no inertia resists joint 6 of the UR5 as it is published: it has no forward dynamics
@@ -27,6 +28,10 @@ def assert_derivatives(results, inputs):
     exact = [list(map(float, evaluate(row, inputs))) for row in jacobian(results, variables)]
     expected = differences(results, inputs, variables)
     np.testing.assert_allclose(exact, expected, rtol=1e-12, atol=1e-12)
+    weights = [k - 2.5 for k in range(len(results))]
+    sums = gradient(results, [variables[0].graph.constant(w) for w in weights], variables)
+    found = list(map(float, evaluate(sums, inputs)))
+    np.testing.assert_allclose(found, weights @ expected, rtol=1e-12, atol=1e-12)
 
 
 def test_every_operation():
@@ -53,7 +58,17 @@ def test_what_does_not_depend_costs_nothing():
     ((dx, dy),) = jacobian([g.sin(x) * 3 + 1], [x, y])
     assert dy is g.zero
     assert dx is g.cos(x) * 3
-    assert jacobian([], [x]) == []
+    assert gradient([g.sin(x) * 3 + 1], [g.one], [x, y]) == [dx, dy]
+    assert jacobian([], [x]) == gradient([], [], [x]) == []
+
+
+def test_what_cancels_vanishes():
+    g = Graph()
+    x, y = g.input("q", 0), g.input("q", 1)
+    one = g.sin(x) * g.sin(x) + g.cos(x) * g.cos(x)
+    known, small = (one - 1) * y, g.constant(1e-30) * x
+    assert vanishing([known, small, one, g.zero, x - y]) == {known, g.zero}
+    assert vanishing([known, x / (one - 1)]) == set()
 
 
 def test_work_is_shared_with_the_function():

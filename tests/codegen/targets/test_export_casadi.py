@@ -1,18 +1,22 @@
-"""CasADi's external functions: the kernel's numbers, Jacobians by its derivative functions."""
+"""CasADi's external functions: the kernel's numbers, and derivatives as of the equations."""
 
 import casadi as ca
 import numpy as np
 import pytest
+import sympy as sp
 from exports import needs, run, two_link
 
 import moro as mr
 import moro_codegen as mc
+from moro.abc import l1, m2, q1, q2, qd1, qdd2, t
 
-BY = {"tau": "tau_derivatives", "forward_dynamics": "forward_dynamics_derivatives"}
+OWN = mc.Function("own", sp.Matrix([sp.exp(q1) * m2, sp.atan2(l1 + q2**2, qd1), sp.sqrt(qdd2**2)]))
 FUNCTIONS = (
-    "tau", "bias", "gravity_vector", "forward_dynamics", "inertia_matrix", "jacobian",
-    "forward_kinematics", "potential_energy", ("tau", "inertia_matrix"),
+    "tau", "bias", "gravity_vector", "inertia_matrix", "coriolis_matrix", "forward_dynamics",
+    "forward_kinematics", "jacobian", "kinetic_energy", "potential_energy", "tau_derivatives",
+    OWN, ("tau", "inertia_matrix"),
 )  # fmt: skip
+SINGLE = (*FUNCTIONS[:10], "own")
 
 pytestmark = needs("make")
 
@@ -24,62 +28,127 @@ def made(robot, folder, functions):
 
 
 @pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    return made(mr.load("two_link"), tmp_path_factory.mktemp("casadi"), FUNCTIONS)
+def robot():
+    """An arm that turns and slides, with run-time parameters, a rotor, and friction."""
+    arm = mr.Robot((l1, sp.pi / 2, 0, q1), (0, 0, q2, 0, "p"), name="crane")
+    arm.masses, arm.cm_positions = [2, m2], [(-l1 / 2, 0, 0), (0, 0.1, 0)]
+    arm.inertia_tensors = [sp.diag(0.1, 0.2, 0.3), sp.diag(0.01, 0.02, 0.03)]
+    arm.gravity, arm.parameters = (0, -9.81, 0.5), {l1: 0.5, m2: 1}
+    arm.rotor_inertias, arm.viscous_friction, arm.coulomb_friction = [0.1, 0], [0.3, 0.4], [1, 2]
+    return arm
 
 
 @pytest.fixture(scope="module")
-def kernel():
-    return mc.compile(mr.load("two_link"), functions=(*FUNCTIONS, *BY.values()))
+def library(robot, tmp_path_factory):
+    return made(robot, tmp_path_factory.mktemp("casadi"), FUNCTIONS)
+
+
+@pytest.fixture(scope="module")
+def kernel(robot):
+    return mc.compile(robot, functions=FUNCTIONS)
+
+
+@pytest.fixture(scope="module")
+def formulas(robot):
+    """The closed forms as functions of CasADi's, {name: Function}."""
+    names = {"q": robot.qs, "qd": [x.diff(t) for x in robot.qs],
+             "qdd": [x.diff(t, 2) for x in robot.qs], "parameters": [l1, m2]}  # fmt: skip
+    values = {name: ca.SX.sym(name, 2) for name in (*names, "tau")}
+    symbols = {s: sp.Symbol(f"{name}{k}") for name, of in names.items() for k, s in enumerate(of)}
+    modules = [
+        {x: getattr(ca, x) for x in ("sin", "cos", "sqrt", "exp", "atan2")} | {"step": ca.sign}
+    ]
+
+    def in_symbols(x):
+        for moving in ("qdd", "qd", "q"):  # rates before what they are rates of
+            x = x.subs({s: symbols[s] for s in names[moving]})
+        return x.subs(symbols).replace(sp.sign, sp.Function("step"))
+
+    def matrix(expression):
+        M = sp.Matrix([expression]) if isinstance(expression, sp.Expr) else sp.Matrix(expression)
+        entries = [in_symbols(x) for x in M.T]  # column by column
+        call = sp.lambdify([*symbols.values()], entries, modules)
+        numbers = call(*(values[name][k] for name in names for k in range(2)))
+        return ca.reshape(ca.vertcat(*numbers), *M.shape)
+
+    qd, qdd = (sp.Matrix(names[x]) for x in ("qd", "qdd"))
+    M, C, G = robot.inertia_matrix(), robot.coriolis_matrix(), robot.gravity_vector()
+    bias = C * qd + G + robot.friction_vector()
+    results = {
+        "tau": matrix(M * qdd + bias), "bias": matrix(bias), "gravity_vector": matrix(G),
+        "inertia_matrix": matrix(M), "coriolis_matrix": matrix(C),
+        "forward_dynamics": ca.solve(matrix(M), values["tau"] - matrix(bias)),
+        "forward_kinematics": matrix(robot.T), "jacobian": matrix(robot.J),
+        "kinetic_energy": matrix(robot.kinetic_energy()),
+        "potential_energy": matrix(robot.potential_energy()), "own": matrix(OWN.expression),
+    }  # fmt: skip
+    return lambda name, inputs: ca.Function(name, [values[x] for x in inputs], [results[name]])
 
 
 @pytest.fixture
-def state():
-    return dict(zip(("q", "qd", "x"), np.random.default_rng(0).uniform(-2, 2, (3, 2)), strict=True))
+def rng():
+    return np.random.default_rng(0)
 
 
-@pytest.mark.parametrize("name", [x for x in FUNCTIONS if isinstance(x, str)])
-def test_numbers(library, kernel, state, name):
-    given = [*state.values()][: len(kernel.signatures[name].inputs)]
-    found, expected = ca.external(name, library)(*given), getattr(kernel, name)(*given)
-    assert np.allclose(np.array(found).reshape(expected.shape), expected, rtol=1e-13, atol=1e-15)
+@pytest.mark.parametrize("name", SINGLE)
+def test_derivatives_are_those_that_casadi_finds_in_the_equations(library, formulas, rng, name):
+    """First ones, with the zeros they have, and second ones of a weighted sum, by all inputs."""
+    f = ca.external(name, library)
+    formula = formulas(name, f.name_in())
+    given = rng.uniform(0.5, 2, f.nnz_in())
+    weights = rng.uniform(-1, 1, f.numel_out(0))
+    found, expected = (derivatives(g, weights)(given) for g in (f, formula))
+    for a, b in zip(found, expected, strict=True):
+        size = np.abs(b.full()).max(initial=1)
+        assert np.allclose(a.full(), b.full(), rtol=0, atol=1e-12 * size)
+    there = ca.sparsify(expected[1], 1e-12).sparsity()
+    assert ca.horzcat(*jacobian(f, given)).sparsity() == there
 
 
-def test_several_results(library, kernel, state):
-    tau, M = ca.external("tau_inertia_matrix", library)(*state.values())
-    expected = kernel.tau_inertia_matrix(*state.values())
-    assert np.allclose(np.array(tau).ravel(), expected[0], rtol=1e-13)
-    assert np.allclose(np.array(M), expected[1], rtol=1e-13)
+def derivatives(f, weights):
+    """The value of f of all inputs in one vector, its Jacobian; gradient and Hessian of w . f."""
+    x = ca.MX.sym("x", f.nnz_in())
+    y = ca.vec(f(*ca.vertsplit(x, [0, *np.cumsum([f.nnz_in(k) for k in range(f.n_in())])])))
+    H, gradient = ca.hessian(ca.dot(weights, y), x)
+    return ca.Function("d", [x], [y, ca.jacobian(y, x), gradient, H])
+
+
+def jacobian(f, given):
+    """The blocks of f's own Jacobian."""
+    sizes = np.cumsum([f.nnz_in(k) for k in range(f.n_in())])
+    return f.jacobian().call([*map(ca.DM, np.split(given, sizes[:-1])), *[0] * f.n_out()])
+
+
+@pytest.mark.parametrize("name", [*SINGLE, "tau_inertia_matrix", "tau_derivatives"])
+def test_numbers(library, kernel, rng, name):
+    f = ca.external(name, library)
+    given = [rng.uniform(0.5, 2, f.size1_in(k)) for k in range(f.n_in())]
+    found, expected = f.call(given), getattr(kernel, name)(*given)
+    for a, b in zip(found, expected if len(found) > 1 else [expected], strict=True):
+        assert np.allclose(a.full().reshape(b.shape), b, rtol=1e-13, atol=1e-15)
+
+
+def test_several_results_have_their_derivatives(library, kernel, rng):
+    q, qd, qdd, parameters = rng.uniform(0.5, 2, (4, 2))
+    both = ca.external("tau_inertia_matrix", library)
+    blocks = dict(
+        zip(both.jacobian().name_out(), jacobian(both, np.r_[q, qd, qdd, parameters]), strict=True)
+    )
+    by_q, by_qd, M = kernel.tau_derivatives(q, qd, qdd, parameters)
+    for name, expected in {"tau_q": by_q, "tau_qd": by_qd, "tau_qdd": M}.items():
+        assert np.allclose(blocks[f"jac_{name}"].full(), expected, rtol=1e-12, atol=1e-14)
+    assert blocks["jac_M_q"].shape == (4, 2)
+    assert blocks["jac_M_qd"].nnz() == 0
 
 
 def test_names(library):
     tau = ca.external("tau", library)
-    assert (tau.name_in(), tau.name_out()) == (["q", "qd", "qdd"], ["tau"])
+    assert (tau.name_in(), tau.name_out()) == (["q", "qd", "qdd", "parameters"], ["tau"])
 
 
-@pytest.mark.parametrize(("name", "by"), BY.items())
-def test_jacobians(library, kernel, state, name, by):
-    given = [ca.MX.sym(x, 2) for x in state]
-    result = ca.external(name, library)(*given)
-    blocks = ca.Function("J", given, [ca.jacobian(result, x) for x in given])(*state.values())
-    for found, expected in zip(blocks, getattr(kernel, by)(*state.values()), strict=True):
-        assert np.allclose(np.array(found), expected, rtol=1e-12, atol=1e-15)
-
-
-def test_jacobians_at_rest(library, kernel, state):
-    q, qd = ca.MX.sym("q", 2), ca.MX.sym("qd", 2)
-    G, bias = ca.external("gravity_vector", library)(q), ca.external("bias", library)(q, qd)
-    J = ca.Function("J", [q, qd], [ca.jacobian(G, q), ca.jacobian(bias, q), ca.jacobian(bias, qd)])
-    found = [np.array(x) for x in J(state["q"], state["qd"])]
-    zero = np.zeros(2)
-    assert np.allclose(found[0], kernel.tau_derivatives(state["q"], zero, zero)[0])
-    expected = kernel.tau_derivatives(state["q"], state["qd"], zero)
-    assert np.allclose(found[1], expected[0])
-    assert np.allclose(found[2], expected[1])
-
-
-def test_an_optimal_control_problem_is_solved(library):
-    """The arm goes from rest to rest, by IPOPT, without second derivatives, as the README says."""
+def test_an_optimal_control_problem_is_solved(tmp_path):
+    """The arm goes from rest to rest, by IPOPT with exact Hessians."""
+    library = made(mr.load("two_link"), tmp_path, ("forward_dynamics",))
     accelerations, steps, dt = ca.external("forward_dynamics", library), 10, 0.05
     problem = ca.Opti()
     x, u = problem.variable(4, steps + 1), problem.variable(2, steps)
@@ -90,18 +159,26 @@ def test_an_optimal_control_problem_is_solved(library):
     problem.subject_to(x[:, 0] == [0, 0, 0, 0])
     problem.subject_to(x[:, -1] == [0.3, -0.2, 0, 0])
     problem.minimize(ca.sumsqr(u) / 1000)
-    options = {"hessian_approximation": "limited-memory", "print_level": 0}
-    problem.solver("ipopt", {"print_time": False}, options)
-    found = problem.solve().value(x)
-    assert np.allclose(found[:, -1], [0.3, -0.2, 0, 0], rtol=0, atol=1e-6)
+    problem.solver("ipopt", {"print_time": False}, {"print_level": 0})
+    solution = problem.solve()
+    assert np.allclose(solution.value(x)[:, -1], [0.3, -0.2, 0, 0], rtol=0, atol=1e-6)
+    assert solution.stats()["n_call_nlp_hess_l"] > 0
 
 
-def test_parameters_are_the_last_input(tmp_path, state):
-    robot = two_link(payload=0.5)
-    tau = ca.external("tau", made(robot, tmp_path, ("tau",)))
-    assert tau.name_in() == ["q", "qd", "qdd", "parameters"]
-    expected = mc.compile(robot).tau(*state.values(), {"payload": 2})
-    assert np.allclose(np.array(tau(*state.values(), [2])).ravel(), expected, rtol=1e-13)
+def test_what_takes_too_long_is_left_out(tmp_path, monkeypatch):
+    monkeypatch.setattr("moro_codegen.targets.derivatives.MOST", 20)
+    library = made(mr.load("two_link"), tmp_path, ("tau", "potential_energy"))
+    assert ca.external("potential_energy", library).jacobian().n_out() == 1
+    with pytest.raises(RuntimeError):
+        ca.external("tau", library).jacobian()
+    words = (tmp_path / "casadi" / "README.md").read_text()
+    assert "gives `tau`; no derivatives" in words
+
+
+def test_a_function_called_like_a_derivative_is_refused(tmp_path):
+    own = mc.Function("jac_tau", q1)
+    with pytest.raises(ValueError, match="no function can be called jac_tau"):
+        mc.export(two_link(), tmp_path, ("casadi",), ("tau", own))
 
 
 def test_single_precision_is_refused(tmp_path):
