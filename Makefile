@@ -35,9 +35,10 @@ docs: .venv/docs
 dist-check: .venv/dist
 	$(BIN)/python .ci/dist_check.py
 
-figures: .venv/docs
+figures: .venv/docs .venv/tests
 	$(BIN)/python docs/figures/draw.py
 	$(BIN)/python docs/figures/data_way.py
+	$(BIN)/python -m docs.figures.howto
 
 bench: benchmarks/.peers/installed
 	@benchmarks/.peers/bin/python -m benchmarks $(BENCH)

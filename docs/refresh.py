@@ -19,7 +19,14 @@ from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
-from docs.blocks import BLOCK, NAMES
+from docs.blocks import BLOCK, NAMES, ROOT
+
+#: what has samples
+PAGES = (
+    ROOT / "README.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "docs/howto").glob("*.md")),
+)
 
 #: characters of a line of output that fit on a page
 WIDTH = 90
@@ -28,9 +35,10 @@ _SAMPLE = re.compile(r"^```(python|yaml|xml|c|cpp)\n(.*?)^```$", re.MULTILINE | 
 _PART = re.compile(f"{_SAMPLE.pattern}|{BLOCK.pattern}", re.MULTILINE | re.DOTALL)
 
 
-def refreshed(text: str) -> str:
-    """Return a page with the output of its samples as it is now."""
-    names: dict[str, Any] = {"__name__": "__main__"}
+def refreshed(text: str, names: dict[str, Any] | None = None) -> str:
+    """Return a page with the output of its samples as it is now, ``names`` as they leave them."""
+    names = {} if names is None else names
+    names["__name__"] = "__main__"
 
     def part(match: re.Match[str]) -> str:
         language, code, begin, expression, _, end = match.groups()
@@ -89,9 +97,8 @@ def _wrapped(text: str) -> Iterator[str]:
 
 def main() -> None:
     """Refresh the pages that are named, or all."""
-    here = Path(__file__).resolve().parent
-    all_pages = [here.parent / "README.md", *sorted(here.glob("*.md"))]
-    pages = [Path(name).resolve() for name in sys.argv[1:]] or all_pages
+    here = Path.cwd()
+    pages = [Path(name).resolve() for name in sys.argv[1:]] or PAGES
     for page in pages:
         text = page.read_text(encoding="utf-8")
         with tempfile.TemporaryDirectory() as folder:
