@@ -49,7 +49,7 @@ def lambdify(
     graph = Graph()
     nodes = parameter_nodes(graph, defaults)
     function = replace(formula, name=NAME).entry("The expression of a robot given.", "SI")
-    routine = arranged(function, graph, model.nv, partial(formula.nodes, graph, nodes))
+    routine = arranged(function, graph, {"n": model.nv}, partial(formula.nodes, graph, nodes))
     program = assembled(model, defaults, [routine])
     (signature,) = program.signatures
     calls = signature.calls

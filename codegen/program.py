@@ -174,20 +174,21 @@ def without_unused(routines: Sequence[Routine]) -> tuple[tuple[Routine, ...], li
 def routine(system: System, function: Function) -> Routine:
     """Return the routine of one function."""
     build = partial(function.build, system)
-    return arranged(function, system.graph, system.model.nv, build, system.passes)
+    sizes = {"n": system.model.nv, "p": len(system.model.defaults)}
+    return arranged(function, system.graph, sizes, build, system.passes)
 
 
 def arranged(
     function: Function,
     graph: Graph,
-    dof: int,
+    sizes: Mapping[str, int],
     build: Callable[..., Sequence[Sequence[Node]]],
     passes: Collection[Pass] = PASSES,
 ) -> Routine:
-    """Return the routine of what ``build`` makes of a function's inputs."""
+    """Return the routine of what ``build`` makes of a function's inputs; ``sizes`` of n and p."""
     tell(f"generating {function.name}")
-    inputs = tuple(_resolved(argument, dof) for argument in function.inputs)
-    outputs = tuple(_resolved(argument, dof) for argument in function.outputs)
+    inputs = tuple(_resolved(argument, sizes) for argument in function.inputs)
+    outputs = tuple(_resolved(argument, sizes) for argument in function.outputs)
     nodes = [[graph.input(a.name, k) for k in range(a.size)] for a in inputs]
     flat = [x for output in build(*nodes) for x in output]
     results = factored(flat) if Pass.COMMON_FACTORS in passes else flat
@@ -235,5 +236,6 @@ def _is_fixed(node: Node) -> bool:
     return not node.args and not _is_position(node)
 
 
-def _resolved(argument: Argument, dof: int) -> Argument:
-    return replace(argument, shape=tuple(dof if size == "n" else size for size in argument.shape))
+def _resolved(argument: Argument, sizes: Mapping[str, int]) -> Argument:
+    shape = (sizes[size] if isinstance(size, str) else size for size in argument.shape)
+    return replace(argument, shape=tuple(shape))

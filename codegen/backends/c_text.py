@@ -525,7 +525,8 @@ def declarator(argument: Argument) -> str:
 
 def stride_names(argument: Argument) -> list[str]:
     """Return names for the stride between samples and for those along the axes of one sample."""
-    axes = {0: [], 1: ["step"], 2: ["row_step", "column_step"]}[len(argument.shape)]
+    steps = {1: ["step"], 2: ["row_step", "column_step"]}
+    axes = {0: [], **steps, 3: ["layer_step", *steps[2]]}[len(argument.shape)]
     return [f"{argument.name}_{axis}" for axis in ["stride", *axes]]
 
 

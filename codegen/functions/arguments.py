@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TypeAlias
 
-#: a dimension is a number, or "n" for the number of joints
+#: a dimension is a number, "n" for that of joints, or "p" for that of run-time parameters
 Shape: TypeAlias = tuple[str | int, ...]
 
 #: what functions of a frame call it, unless another is asked for (``at_frame``)
@@ -42,6 +42,9 @@ QDD = Argument("qdd", ("n",), "rad/s^2 or m/s^2", "joint accelerations")
 TAU = Argument(
     "tau", ("n",), "N m or N", "joint torques, about the joint axes (forces, along them)"
 )
+QD_R = Argument("qd_r", ("n",), "rad/s or m/s", "reference joint velocities")
+QDD_R = Argument("qdd_r", ("n",), "rad/s^2 or m/s^2", "reference joint accelerations")
+V = Argument("v", ("n",), "SI", "a vector over the joints")
 WRENCH = Argument(
     "wrench",
     (6,),

@@ -82,6 +82,10 @@ class System:
         arm = self.with_tip(q)
         return fewest((algorithm(x) for x in rearranged(arm, self.passes)), self.graph)
 
+    def nodes(self, scalars: Iterable[Scalar]) -> list[Node]:
+        """Return nodes for scalars, some of which may be numbers."""
+        return [self.graph.constant(x) for x in scalars]
+
     def drives(
         self, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Scalar]
     ) -> Sequence[Scalar]:
@@ -106,3 +110,14 @@ def flat(rows: Iterable[Iterable[Scalar]]) -> list[Scalar]:
 def sum_of(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
     """Return a + b."""
     return [x + y for x, y in zip(a, b, strict=True)]
+
+
+def dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
+    """Return a . b."""
+    return sum(x * y for x, y in zip(a, b, strict=True))
+
+
+def parts(entries: Sequence[Node], count: int) -> list[Sequence[Node]]:
+    """Return the entries in so many equal parts."""
+    size = len(entries) // count
+    return [entries[k * size : (k + 1) * size] for k in range(count)]

@@ -26,6 +26,8 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
     "sign": mpmath.sign,
     "fabs": abs,
     "pow": mpmath.power,
+    "fmax": max,
+    "fmin": min,
 }
 
 

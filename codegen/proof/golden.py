@@ -11,32 +11,31 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from moro.model import Model
 from moro_codegen.backends import numpy
 from moro_codegen.functions.arguments import Argument
 from moro_codegen.functions.own import UserFunction
 from moro_codegen.program import Program
-from moro_codegen.proof.symbolic_route import Array, ExpectedDynamics, SymbolicRoute, spread
+from moro_codegen.proof.expected import CHOSEN, ExpectedDynamics, own_name, scales
+from moro_codegen.proof.results import EXPECTED
+from moro_codegen.proof.symbolic_route import Array, SymbolicRoute, spread
 from moro_codegen.proof.verification import (
-    INVERTING,
     TOLERANCES,
-    WRENCH,
     by_expression,
     for_kernel,
     frame_of,
     parameter_values,
     rounded,
-    scales,
     states_of,
 )
 from moro_codegen.signature import Part, Signature
 
 #: random states; awkward ones are added
 STATES = 8
-#: those of them at which derivatives are evaluated, each of which takes n evaluations
-SLOPES = 4
+#: those of them at which derivatives are evaluated, each of which takes n evaluations, and second
+#: ones, by what ``Expected.at`` says
+FEWER = {"few": 4, "fewest": 2}
 #: the largest error of results in double precision, relative to their scale
 TOLERANCE = 1e-12
 
@@ -95,7 +94,10 @@ def golden_states(
     q, qd, qdd = (rounded(x, dtype) for x in states_of(model, STATES, rng))
     values = {s: float(rounded(x, dtype)) for s, x in parameter_values(model, rng).items()}
     rounding = float(np.finfo(dtype).eps)
-    x = _AtAll(route or SymbolicRoute(model), q, qd, qdd, values, rounding)
+    x = ExpectedDynamics(
+        route or SymbolicRoute(model), q, qd, qdd, values, rounding, everywhere=True
+    )
+    x.others["tau"] = rounded(x.tau, dtype)
     work = _Work(x, {p.name: p.default for p in program.parameters}, {f.name: f for f in functions})
     found = tuple(work.function(signature) for signature in program.signatures)
     tolerance = TOLERANCE if dtype == "float64" else TOLERANCES[dtype]
@@ -125,30 +127,6 @@ def _error(result: GoldenResult, found: Array, all_found: Sequence[Array]) -> fl
     return float(np.max(np.max(apart, axis=1) / result.scale))
 
 
-#: results of the functions of the catalogue that need no more than to be asked for
-DIRECT: dict[str, Callable[..., Sequence[Array]]] = {
-    "tau": lambda x: [x.tau],
-    "tau_with_wrench": lambda x, frame: [x.tau - WRENCH @ x.J(frame)],
-    "bias": lambda x: [x.bias],
-    "gravity_vector": lambda x: [x.G],
-    "inertia_matrix": lambda x: [x.M],
-    "coriolis_matrix": lambda x: [x.C],
-    "forward_kinematics": lambda x, frame: [x.T(frame)],
-    "jacobian": lambda x, frame: [x.J(frame)],
-    "kinetic_energy": lambda x: [x.K],
-    "potential_energy": lambda x: [x.P],
-}
-
-
-class _AtAll(ExpectedDynamics):
-    """Derivatives too are evaluated at all states, however long it takes: the same every time."""
-
-    @property
-    def few(self) -> NDArray[np.int_]:
-        """All states."""
-        return np.arange(len(self.q))
-
-
 class _Work:
     """The expected results, part by part."""
 
@@ -164,13 +142,17 @@ class _Work:
 
     def function(self, signature: Signature) -> GoldenFunction:
         """Return a function at the states at which all its parts can be compared."""
-        kinds = {part.name for part in signature.parts}
-        states = np.arange(len(self.x.q))
-        if kinds & {"tau_derivatives", "forward_dynamics_derivatives"}:
-            states = spread(len(states), SLOPES)
-        if kinds & INVERTING:
+        known = [EXPECTED[part.name] for part in signature.parts if part.name in EXPECTED]
+        states = spread(
+            len(self.x.q), min([len(self.x.q), *(FEWER.get(e.at, len(self.x.q)) for e in known)])
+        )
+        if any(e.at == "moving" for e in known):
+            states = np.intersect1d(states, self.x.moving)
+        if any(e.inverting for e in known):
             states = states[self.x.regular[states]]
-        x = self._at(states)
+        for argument in signature.given:
+            self.x.given(argument)
+        x = self.x.at(states)
         outputs = iter(signature.outputs)
         results: list[GoldenResult | None] = []
         for part in signature.parts:
@@ -182,33 +164,24 @@ class _Work:
             results += found
         return GoldenFunction(signature, self._inputs(signature, x), tuple(results))
 
-    def _at(self, states: Any) -> ExpectedDynamics:
-        x = self.x
-        if len(states) == len(x.q):
-            return x
-        q, qd, qdd = (y[states] for y in (x.q, x.qd, x.qdd))
-        return _AtAll(x.route, q, qd, qdd, x.parameters, x.rounding)
-
     def _inputs(self, signature: Signature, x: ExpectedDynamics) -> dict[str, Array]:
-        given = {"q": x.q, "qd": x.qd, "qdd": x.qdd, "wrench": WRENCH[np.newaxis]}
-        if any(a.name == "tau" for a in signature.given):
-            given["tau"] = rounded(x.tau, signature.dtype)
+        """Return the inputs by name; what is the same at all states once."""
+        found = {a.name: x.given(a) for a in signature.given}
+        found = {name: y[:1] if own_name(name) in CHOSEN else y for name, y in found.items()}
         if self.parameters:
-            given["parameters"] = np.array([[*self.parameters.values()]])
-        return {a.name: given[a.name] for a in signature.inputs}
+            found["parameters"] = np.array([[*self.parameters.values()]])
+        return {a.name: found[a.name] for a in signature.inputs}
 
     def _part(
         self, part: Part, x: ExpectedDynamics, arguments: Sequence[Argument], first: int
     ) -> list[GoldenResult | None] | None:
         """Return the results of a part, the ``first`` of which has that index; None: not known."""
-        if part.name in DIRECT:
-            return _compared(arguments, DIRECT[part.name](x, *frame_of(part, x.model)))
+        if part.name in EXPECTED:
+            known = EXPECTED[part.name]
+            results = known.results(x, *frame_of(part, x.model))
+            return _compared(arguments, results, x.lost if known.inverting else scales)
         if part.name == "regressor":
             return [GoldenResult(arguments[0], x.tau, scales(x.tau), first + 1), None]
-        if part.name == "tau_derivatives":
-            return _compared(arguments, [*x.tau_slopes, x.M])
-        if part.name in INVERTING:
-            return _inverted(arguments, x, part.name)
         if part.name in self.own:
             expected = by_expression(self.own[part.name], x, self.parameters)
             if all(np.isfinite(values).all() for values in expected):
@@ -217,34 +190,11 @@ class _Work:
 
 
 def _compared(
-    arguments: Sequence[Argument], expected: Sequence[Array]
+    arguments: Sequence[Argument],
+    expected: Sequence[Array],
+    lost: Callable[[Array], Array] = scales,
 ) -> list[GoldenResult | None]:
     return [
-        GoldenResult(a, values, scales(values))
+        GoldenResult(a, values, np.maximum(scales(values), lost(values)))
         for a, values in zip(arguments, expected, strict=True)
     ]
-
-
-def _inverted(
-    arguments: Sequence[Argument], x: ExpectedDynamics, name: str
-) -> list[GoldenResult | None]:
-    """Return the accelerations, or their derivatives: - M^-1 dtau/dq, - M^-1 dtau/dqd, M^-1.
-
-    The last digits of a solution are lost by the condition number of M, measured with each joint's
-    own inertia as its unit, and by what the torques cancel to.
-    """
-    units = np.sqrt(np.diagonal(x.M, axis1=1, axis2=2))
-    condition = np.linalg.cond(x.M / units[:, :, np.newaxis] / units[:, np.newaxis, :])
-    expected: list[NDArray[Any]] = [x.qdd]
-    if name != "forward_dynamics":
-        expected = [-np.linalg.solve(x.M, slope) for slope in x.tau_slopes]
-        expected.append(np.linalg.inv(x.M))
-    found = list[GoldenResult | None]()
-    for a, values in zip(arguments, expected, strict=True):
-        rows = values.reshape(*units.shape, -1)
-        sizes = np.max(np.abs(rows) * units[:, :, np.newaxis], axis=(1, 2))
-        if name == "forward_dynamics":
-            sizes = np.maximum(sizes, np.max(np.abs(x.tau) / units, axis=1))
-        lost = x.model.nv * condition * sizes / units.min(axis=1)
-        found.append(GoldenResult(a, values, np.maximum(scales(values), lost)))
-    return found

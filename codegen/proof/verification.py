@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,14 +18,9 @@ from moro_codegen.functions.catalogue import KNOWN
 from moro_codegen.functions.own import Formula, Scope, UserFunction
 from moro_codegen.kernel.kernel import Kernel
 from moro_codegen.progress import shown, tell
-from moro_codegen.proof.symbolic_route import (
-    STATES_LIMIT,
-    Array,
-    ExpectedDynamics,
-    SymbolicRoute,
-    evaluated,
-    spread,
-)
+from moro_codegen.proof.expected import ExpectedDynamics, evaluated, scales
+from moro_codegen.proof.results import EXPECTED
+from moro_codegen.proof.symbolic_route import STATES_LIMIT, Array, SymbolicRoute, spread
 from moro_codegen.signature import Part
 
 __all__ = [
@@ -43,11 +39,8 @@ TOLERANCE = 1e-10
 #: by type; single precision has not so many units to lose, so 1700 of them: kernels of the packaged
 #: arms stay below 300
 TOLERANCES = {"float64": TOLERANCE, "float32": 2e-4}
-#: components of a state that are all smaller than this part of those of all states have no digits
-FLOOR = 1e-3
-
-#: on the link of the frame, in functions that take one; the same in single and double precision
-WRENCH: Array = np.array([3.0, -5.0, 7.0, 1.125, 1.25, -1.75])
+#: what a solution loses besides, of the condition number
+SOLVED = 1e-2
 
 
 @dataclass(frozen=True)
@@ -63,10 +56,18 @@ class Pair:
 Pairs = Iterable[Pair]
 
 
-def _derivatives(x: ExpectedDynamics, by_q: Array, by_qd: Array, M: Array) -> Pairs:
-    for slope, expected in zip((by_q, by_qd), x.tau_slopes, strict=True):
-        yield Pair(slope[x.few], expected)
-    yield Pair(M, x.M)
+def _by_route(name: str, x: ExpectedDynamics, *frame_and_results: Any) -> Pairs:
+    """Put the results found beside those of the symbolic route."""
+    expected = EXPECTED[name]
+    states = getattr(x, expected.at)
+    if expected.inverting:
+        states = states[x.regular[states]]
+    there = x.at(states)
+    frame = [item for item in frame_and_results if isinstance(item, Frame)]
+    results = frame_and_results[len(frame) :]
+    for found, values in zip(results, expected.results(there, *frame), strict=True):
+        lost = SOLVED * there.lost(values) if expected.inverting else 0.0
+        yield Pair(found[states], values, lost)
 
 
 def _accelerations(x: ExpectedDynamics, qdd: Array) -> Pairs:
@@ -101,23 +102,13 @@ def _product(M: Array, factor: Array, expected: Array) -> Pair:
 
 #: for each function of the catalogue, what its results are compared with; of a frame, it is given
 CHECKS: dict[str, Callable[..., Pairs]] = {
-    "tau": lambda x, tau: [Pair(tau, x.tau)],
-    "tau_with_wrench": lambda x, frame, tau: [Pair(tau, x.tau - WRENCH @ x.J(frame))],
-    "bias": lambda x, bias: [Pair(bias, x.bias)],
-    "gravity_vector": lambda x, G: [Pair(G, x.G)],
-    "inertia_matrix": lambda x, M: [Pair(M, x.M)],
-    "coriolis_matrix": lambda x, C: [Pair(C, x.C)],
+    **{name: partial(_by_route, name) for name in EXPECTED},
     "forward_dynamics": _accelerations,
-    "tau_derivatives": _derivatives,
     "forward_dynamics_derivatives": _acceleration_derivatives,
-    "forward_kinematics": lambda x, frame, T: [Pair(T, x.T(frame))],
-    "jacobian": lambda x, frame, J: [Pair(J, x.J(frame))],
-    "kinetic_energy": lambda x, K: [Pair(K, x.K)],
-    "potential_energy": lambda x, P: [Pair(P, x.P)],
     "regressor": lambda x, Y, p: [Pair(np.einsum("sij,sj->si", Y, p), x.tau)],
 }
 #: those that M must be inverted for
-INVERTING = frozenset({"forward_dynamics", "forward_dynamics_derivatives"})
+INVERTING = frozenset(name for name, expected in EXPECTED.items() if expected.inverting)
 
 
 @dataclass(frozen=True)
@@ -282,13 +273,8 @@ def _check_alike(kernel: Kernel, model: Model) -> None:
 def _results(kernel: Kernel, name: str, x: ExpectedDynamics) -> Iterator[tuple[Part, list[Array]]]:
     """Yield the results of a function at the states, for each function that it is made of."""
     signature = kernel.signatures[name]
-    inputs = {"q": x.q, "qd": x.qd, "qdd": x.qdd}
-    if any(a.name == "tau" for a in signature.given):
-        inputs["tau"] = x.tau
     parameters = for_kernel(kernel.parameters, x.parameters) or None
-    found = getattr(kernel, name)(
-        *[inputs.get(a.name, WRENCH) for a in signature.given], parameters
-    )
+    found = getattr(kernel, name)(*map(x.given, signature.given), parameters)
     results = iter(found if len(signature.outputs) > 1 else (found,))
     for part in signature.parts:
         yield part, [next(results) for _ in range(part.outputs)]
@@ -337,14 +323,6 @@ def _errors(pair: Pair) -> Array:
     axes = tuple(range(1, pair.expected.ndim))
     errors: Array = np.max(np.abs(pair.found - pair.expected), axis=axes) / scale
     return errors
-
-
-def scales(expected: Array) -> Array:
-    """Return for each state what errors of its results are relative to: the largest component."""
-    largest = np.max(np.abs(expected), axis=tuple(range(1, expected.ndim)))
-    # where everything must be zero, errors are absolute
-    scale: Array = np.maximum(largest, FLOOR * float(np.max(largest, initial=0)) or 1.0)
-    return scale
 
 
 def states_of(model: Model, states: int, rng: np.random.Generator) -> tuple[Array, Array, Array]:

@@ -52,3 +52,36 @@ def solution(factors: Factors, b: Sequence[Scalar]) -> list[Scalar]:
         for i in inner[j]:
             x[j] = x[j] - L[j][i] * x[i]
     return x
+
+
+def inverse(factors: Factors) -> list[list[Scalar]]:
+    """Return M^-1."""
+    n = len(factors.L)
+    columns = [solution(factors, [int(i == j) for i in range(n)]) for j in range(n)]
+    return [[columns[min(i, j)][max(i, j)] for j in range(n)] for i in range(n)]
+
+
+def inverse_of_symmetric(A: Sequence[Sequence[Scalar]]) -> list[list[Scalar]]:
+    """Return the inverse of a symmetric, positive definite matrix, by A = L D L^T."""
+    n = len(A)
+    L = [list(row) for row in A]
+    reciprocals: list[Scalar] = []
+    for j in range(n):
+        reciprocals.append(1 / L[j][j])
+        for i in range(j + 1, n):
+            factor = L[i][j] * reciprocals[j]
+            for k in range(j + 1, i + 1):
+                L[i][k] = L[i][k] - factor * L[k][j]
+        for i in range(j + 1, n):
+            L[i][j] = L[i][j] * reciprocals[j]
+    inverse: list[list[Scalar]] = [[0] * n for _ in range(n)]
+    for j in range(n):
+        x: list[Scalar] = [0] * n
+        x[j] = 1
+        for i in range(j + 1, n):
+            x[i] = -sum(L[i][k] * x[k] for k in range(j, i))
+        for i in reversed(range(j, n)):
+            x[i] = reciprocals[i] * x[i] - sum(L[k][i] * x[k] for k in range(i + 1, n))
+        for i in range(j, n):
+            inverse[i][j] = inverse[j][i] = x[i]
+    return inverse

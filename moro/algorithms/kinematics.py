@@ -1,4 +1,4 @@
-"""Pose and Jacobian of a frame, over any scalar.
+"""Pose, Jacobian, velocity and acceleration of a frame, over any scalar.
 
 The frame counts as a further link, the last, that neither moves nor weighs anything
 (``posture.with_frame``). Only ``+ - *`` are asked of the scalars.
@@ -6,9 +6,13 @@ The frame counts as a further link, the last, that neither moves nor weighs anyt
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from moro.algorithms.coordinates import generalized
-from moro.algorithms.posture import PosedLink, Posture, ancestors
+from moro.algorithms.newton_euler import forward_motion
+from moro.algorithms.posture import PosedLink, Posture, ancestors, velocities, weightless
 from moro.model import Placement
+from moro.spatial.motion import Velocity
 from moro.spatial.vectors import Scalar, Vector, add, product, times, transpose
 
 
@@ -48,3 +52,26 @@ def frame_jacobian(arm: Posture) -> list[list[Scalar]]:
         linear, angular = links[i].type.column(z, add(frames[tip].p, (-x, -y, -w)))
         columns[i] = (*linear, *angular)
     return [generalized(links, row, arm.nv) for row in zip(*columns, strict=True)]
+
+
+def frame_velocity(arm: Posture, qd: Sequence[Scalar]) -> Velocity:
+    """Return (omega, v) = J qd of the last link, which is a frame's, in the axes of the base."""
+    omega, v = velocities(arm, qd)[-1]
+    return Velocity(in_base(arm, omega), in_base(arm, v))
+
+
+def frame_acceleration(arm: Posture, qd: Sequence[Scalar], qdd: Sequence[Scalar]) -> Velocity:
+    """Return (alpha, a) = J qdd + dJ/dt qd of the last link, which is a frame's.
+
+    a is the acceleration of the frame's origin, without gravity; in the axes of the base.
+    """
+    motion = forward_motion(weightless(arm), qd, qdd)[-1]
+    return Velocity(in_base(arm, motion.alpha), in_base(arm, motion.a))
+
+
+def in_base(arm: Posture, v: Vector) -> Vector:
+    """Return the components of v in the axes of the base, given those in the last link's."""
+    tip = len(arm.links) - 1
+    for i in [tip, *ancestors(arm.links, tip)]:
+        v = arm.links[i].rotate(v)
+    return v

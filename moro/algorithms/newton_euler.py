@@ -21,7 +21,7 @@ from collections.abc import Sequence
 
 from moro.algorithms.coordinates import generalized, joint_rates
 from moro.algorithms.posture import PosedLink, Posture
-from moro.spatial.motion import Motion, Wrench
+from moro.spatial.motion import Motion, ReferenceMotion, Wrench
 from moro.spatial.transform import wrench_in_parent
 from moro.spatial.vectors import Scalar, Vector, add, cross, scaled, times
 
@@ -50,7 +50,7 @@ def forward_motion(arm: Posture, qd: Sequence[Scalar], qdd: Sequence[Scalar]) ->
     return motions
 
 
-def body_wrench(link: PosedLink, motion: Motion) -> Wrench:
+def body_wrench(link: PosedLink, motion: Motion | ReferenceMotion) -> Wrench:
     """Return the wrench that moves a body: f = m a + U h, n = h x a + axial(U S)."""
     m, h, a = link.body.m, link.body.h, motion.a
     (Uxx, Uxy, Uxz), (Uyx, Uyy, Uyz), (Uzx, Uzy, Uzz) = motion.U

@@ -79,6 +79,11 @@ def with_frame(arm: Posture, link: int, placement: Placement) -> Posture:
     return replace(arm, links=(*arm.links, still))
 
 
+def weightless(arm: Posture) -> Posture:
+    """Return the arm without gravity."""
+    return replace(arm, gravity=(0, 0, 0))
+
+
 def velocities(arm: Posture, qd: Sequence[Scalar]) -> list[Velocity]:
     """Return the velocity of every link."""
     found: list[Velocity] = []

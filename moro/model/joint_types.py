@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
 from moro.spatial.moments import Moments
-from moro.spatial.motion import Motion, Velocity, Wrench
+from moro.spatial.motion import Motion, ReferenceMotion, Velocity, Wrench
 from moro.spatial.transform import Transform
 from moro.spatial.vectors import (
     Matrix,
@@ -71,6 +71,12 @@ class JointType(ABC):
     @abstractmethod
     def motion(self, frame: Transform, parent: Motion, qd: Scalar, qdd: Scalar) -> Motion:
         """Return the motion of the link from that of its parent."""
+
+    @abstractmethod
+    def reference_motion(
+        self, frame: Transform, parent: ReferenceMotion, qd: Scalar, qd_r: Scalar, qdd_r: Scalar
+    ) -> ReferenceMotion:
+        """Return the motion of the link, and of its reference, from those of its parent."""
 
     @abstractmethod
     def along(self, wrench: Wrench) -> Scalar:
@@ -169,6 +175,29 @@ class Revolute(JointType):
         )
         return Motion((x, y, z), alpha, U, a)
 
+    def reference_motion(
+        self, frame: Transform, parent: ReferenceMotion, qd: Scalar, qd_r: Scalar, qdd_r: Scalar
+    ) -> ReferenceMotion:
+        """Return those of a link that turns about z.
+
+        omega_r = R^T omega_rp + qd_r z and so on as in ``motion``, which this is for qd_r = qd:
+        U z = R^T U_p R z here too.
+        """
+        a = frame.rotate_back(add(parent.a, times(parent.U, frame.p)))
+        x, y, z = frame.rotate_back(parent.omega)
+        xr, yr, zr = frame.rotate_back(parent.reference)
+        z, zr = z + qd, zr + qd_r
+        Uxz, Uyz, Uzz = frame.rotate_back(times(parent.U, transpose(frame.R)[2]))
+        turned = frame.rotate_back(parent.alpha)[2]
+        # z . (omega x z) = 0: what turning adds to alpha is not along z
+        alpha = y * zr - Uyz, Uxz - x * zr, turned + qdd_r
+        U: Matrix = (
+            (Uzz + (x * xr - z * zr), x * yr - alpha[2], Uxz),
+            (y * xr + alpha[2], -(x * xr + z * zr), Uyz),
+            (z * xr - alpha[1], z * yr + alpha[0], Uzz),
+        )
+        return ReferenceMotion((x, y, z), (xr, yr, zr), alpha, U, a)
+
     def along(self, wrench: Wrench) -> Scalar:
         """Return n_z."""
         return wrench.n[2]
@@ -253,6 +282,20 @@ class Prismatic(JointType):
         U = product(transpose(frame.R), product(parent.U, frame.R))
         x, y, z = frame.rotate_back(add(parent.a, times(parent.U, frame.p)))
         return Motion(omega, alpha, U, (x + 2 * qd * omega[1], y - 2 * qd * omega[0], z + qdd))
+
+    def reference_motion(
+        self, frame: Transform, parent: ReferenceMotion, qd: Scalar, qd_r: Scalar, qdd_r: Scalar
+    ) -> ReferenceMotion:
+        """Return those of a link that slides along z.
+
+        a = R^T (a_p + U_p p) + (qd omega_r + qd_r omega) x z + qdd_r z; the rest as in ``motion``.
+        """
+        omega, reference = frame.rotate_back(parent.omega), frame.rotate_back(parent.reference)
+        U = product(transpose(frame.R), product(parent.U, frame.R))
+        x, y, z = frame.rotate_back(add(parent.a, times(parent.U, frame.p)))
+        wx, wy, _ = add(scaled(qd, reference), scaled(qd_r, omega))
+        alpha = frame.rotate_back(parent.alpha)
+        return ReferenceMotion(omega, reference, alpha, U, (x + wy, y - wx, z + qdd_r))
 
     def along(self, wrench: Wrench) -> Scalar:
         """Return f_z."""

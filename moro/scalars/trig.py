@@ -566,16 +566,19 @@ class TrigRing:
             )
         )
 
-    def evaluate(self, p: Trig, values: Mapping[Any, Any]) -> Any:
+    def evaluate(
+        self, p: Trig, values: Mapping[Any, Any], known: dict[int, Any] | None = None
+    ) -> Any:
         """Return the numeric value of ``p``, an array of the shape of the values.
 
         ``values`` gives numbers, or arrays of one common shape, for the joint variables, velocities
-        and symbols that occur.
+        and symbols that occur. ``known`` keeps what generators are, for other polynomials at the
+        same values.
         """
         import numpy as np
 
         shape = np.broadcast_shapes(*(np.shape(v) for v in values.values()))
-        known: dict[int, Any] = {}
+        known = {} if known is None else known
 
         def value(index: int) -> Any:
             if index not in known:

@@ -32,6 +32,25 @@ class Motion(NamedTuple):
     a: Vector
 
 
+class ReferenceMotion(NamedTuple):
+    """A link that moves, and the velocity that it should have: reference v_r + omega_r x r.
+
+    As the link moves, the reference velocity of its point r changes at the rate a + U r. Where the
+    reference is the velocity itself, this is ``Motion``.
+    """
+
+    #: angular velocity [rad/s]
+    omega: Vector
+    #: angular reference velocity omega_r [rad/s]
+    reference: Vector
+    #: rate of omega_r [rad/s^2]
+    alpha: Vector
+    #: [alpha]x + [omega_r]x [omega]x
+    U: Matrix
+    #: rate of the reference velocity of the frame's origin, minus gravity [m/s^2]
+    a: Vector
+
+
 class Wrench(NamedTuple):
     """Force and moment about the frame's origin."""
 

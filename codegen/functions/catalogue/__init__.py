@@ -10,6 +10,12 @@ from moro_codegen.functions.catalogue import (
     inverse_dynamics,
     kinematics,
     matrices,
+    momentum,
+    operational_space,
+    parameter_derivatives,
+    products,
+    second_derivatives,
+    steps,
 )
 from moro_codegen.functions.function import Function, Outputs
 
@@ -22,6 +28,12 @@ FUNCTIONS = {
         derivatives,
         kinematics,
         energies,
+        momentum,
+        operational_space,
+        products,
+        second_derivatives,
+        parameter_derivatives,
+        steps,
     )
     for function in group.FUNCTIONS
 }

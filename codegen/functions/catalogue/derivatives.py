@@ -6,13 +6,12 @@ from collections.abc import Sequence
 
 from moro.algorithms.composite_rigid_body import joint_inertia
 from moro.algorithms.factorization import factorized, solution
-from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import Posture
 from moro.spatial.vectors import Scalar
 from moro_codegen.functions.arguments import QD, QDD, TAU, Argument, M, Q
-from moro_codegen.functions.catalogue.forward_dynamics import accelerations
+from moro_codegen.functions.catalogue.products import caused_by, torques
 from moro_codegen.functions.function import Function, Outputs
-from moro_codegen.functions.system import System, flat, sum_of
+from moro_codegen.functions.system import System, flat, parts
 from moro_codegen.graph.derivatives import jacobian
 from moro_codegen.graph.nodes import Node, replaced
 
@@ -29,14 +28,13 @@ def _tau_derivatives(
     def derivatives(arm: Posture) -> Sequence[Scalar]:
         return flat((*_slopes(system, arm, q, qd, qdd), flat(joint_inertia(arm, system.rotors))))
 
-    return _thirds(system.dynamics(system.posture(q), derivatives))
+    return parts(system.dynamics(system.posture(q), derivatives), 3)
 
 
 def _forward_dynamics_derivatives(
     system: System, q: Sequence[Node], qd: Sequence[Node], tau: Sequence[Node]
 ) -> Outputs:
-    (caused,) = accelerations(system, q, qd, tau)
-    qdd = [system.graph.input("qdd", k) for k in range(len(q))]
+    caused, qdd = caused_by(system, q, qd, tau)
 
     def derivatives(arm: Posture) -> Sequence[Scalar]:
         """M dqdd = dtau - (dtau/dq) dq - (dtau/dqd) dqd, for the qdd that tau causes."""
@@ -47,23 +45,17 @@ def _forward_dynamics_derivatives(
         for block in ([-x for x in by_q], [-x for x in by_qd], by_tau):
             columns = [solution(factors, block[j::n]) for j in range(n)]
             slopes += [system.graph.constant(x) for row in zip(*columns, strict=True) for x in row]
-        return replaced(slopes, dict(zip(qdd, caused, strict=True)))
+        return replaced(slopes, caused)
 
-    return _thirds(system.dynamics(system.posture(q), derivatives))
+    return parts(system.dynamics(system.posture(q), derivatives), 3)
 
 
 def _slopes(
     system: System, arm: Posture, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]
 ) -> tuple[list[Node], list[Node]]:
     """Return d tau/dq and d tau/dqd, flat."""
-    tau = sum_of(joint_torques(arm, qd, qdd), system.drives(q, qd, qdd))
-    nodes = [system.graph.constant(x) for x in tau]
-    return flat(jacobian(nodes, q)), flat(jacobian(nodes, qd))
-
-
-def _thirds(entries: Sequence[Node]) -> Outputs:
-    third = len(entries) // 3
-    return [entries[k * third : (k + 1) * third] for k in range(3)]
+    tau = torques(system, arm, q, qd, qdd)
+    return flat(jacobian(tau, q)), flat(jacobian(tau, qd))
 
 
 FUNCTIONS = (

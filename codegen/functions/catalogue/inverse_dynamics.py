@@ -8,8 +8,21 @@ from moro.algorithms.drives import spring_torques
 from moro.algorithms.external_wrench import joint_torques_in_contact
 from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import Posture
+from moro.algorithms.reference_motion import coriolis_product, reference_torques
 from moro.spatial.vectors import Scalar
-from moro_codegen.functions.arguments import LAST, QD, QDD, TAU, WRENCH, Argument, G, Q
+from moro_codegen.functions.arguments import (
+    LAST,
+    QD,
+    QD_R,
+    QDD,
+    QDD_R,
+    TAU,
+    WRENCH,
+    Argument,
+    G,
+    Q,
+    V,
+)
 from moro_codegen.functions.function import Function, Outputs
 from moro_codegen.functions.system import System, sum_of
 from moro_codegen.graph.nodes import Node
@@ -46,6 +59,26 @@ def _gravity_vector(system: System, q: Sequence[Node]) -> Outputs:
     return [sum_of(gravity, spring_torques(system.model, q))]
 
 
+def _tau_passivity(
+    system: System,
+    q: Sequence[Node],
+    qd: Sequence[Node],
+    qd_r: Sequence[Node],
+    qdd_r: Sequence[Node],
+) -> Outputs:
+    def rigid(arm: Posture) -> Sequence[Scalar]:
+        return reference_torques(arm, qd, qd_r, qdd_r)
+
+    tau = system.dynamics(system.posture(q), rigid)
+    return [sum_of(tau, system.drives(q, qd, qdd_r))]
+
+
+def _bias_product(
+    system: System, q: Sequence[Node], qd: Sequence[Node], v: Sequence[Node]
+) -> Outputs:
+    return [system.dynamics(system.posture(q), lambda arm: coriolis_product(arm, qd, v))]
+
+
 FUNCTIONS = (
     Function(
         "tau",
@@ -80,5 +113,22 @@ FUNCTIONS = (
         "Gravity vector G(q), the gradient of P.",
         _gravity_vector,
         "recursive Newton-Euler at rest",
+    ),
+    Function(
+        "tau_passivity",
+        (Q, QD, QD_R, QDD_R),
+        (TAU,),
+        "Torques of passivity-based control (Slotine & Li): M(q) qdd_r + C(q, qd) qd_r + G(q) with "
+        "the C of coriolis_matrix, rotor inertia and the friction of qd; tau for qd_r = qd.",
+        _tau_passivity,
+        "recursive Newton-Euler, with the reference velocity's rate for acceleration",
+    ),
+    Function(
+        "bias_product",
+        (Q, QD, V),
+        (Argument("Cv", ("n",), "SI", "C(q, qd) v"),),
+        "Coriolis matrix of coriolis_matrix times any vector: C(q, qd) v.",
+        _bias_product,
+        "recursive Newton-Euler, with the reference velocity's rate for acceleration",
     ),
 )

@@ -13,7 +13,7 @@ import moro as mr
 import moro_codegen as mc
 from moro_codegen.functions.catalogue import FUNCTIONS
 from moro_codegen.functions.system import System
-from moro_codegen.graph.derivatives import gradient, jacobian
+from moro_codegen.graph.derivatives import directional, gradient, jacobian
 from moro_codegen.graph.from_sympy import Converter
 from moro_codegen.graph.nodes import Graph, count, schedule
 from moro_codegen.graph.precise import vanishing
@@ -24,14 +24,21 @@ DYNAMIC = [name for name in NAMES if name != "ur5"]
 
 
 def assert_derivatives(results, inputs):
-    variables = list(inputs)
-    exact = [list(map(float, evaluate(row, inputs))) for row in jacobian(results, variables)]
+    """Column by column, along a direction, and of a weighted sum."""
+    variables, rng = list(inputs), np.random.default_rng(0)
     expected = differences(results, inputs, variables)
-    np.testing.assert_allclose(exact, expected, rtol=1e-12, atol=1e-12)
-    weights = [k - 2.5 for k in range(len(results))]
-    sums = gradient(results, [variables[0].graph.constant(w) for w in weights], variables)
-    found = list(map(float, evaluate(sums, inputs)))
-    np.testing.assert_allclose(found, weights @ expected, rtol=1e-12, atol=1e-12)
+
+    def equal(nodes, values):
+        found = list(map(float, evaluate(nodes, inputs)))
+        np.testing.assert_allclose(found, values, rtol=1e-12, atol=1e-12)
+
+    for row, values in zip(jacobian(results, variables), expected, strict=True):
+        equal(row, values)
+    graph = results[0].graph
+    dx, w = rng.integers(-5, 5, len(variables)), rng.integers(-5, 5, len(results))
+    direction = dict(zip(variables, map(graph.constant, dx.tolist()), strict=True))
+    equal(directional(results, direction), expected @ dx)
+    equal(gradient(results, list(map(graph.constant, w.tolist())), variables), w @ expected)
 
 
 def test_every_operation():
@@ -49,6 +56,7 @@ def test_every_operation():
     results += [g.call(name, x) for name in ("sqrt", "exp", "log", "tan", "asin", "acos", "atan")]
     results += [g.call(name, x) for name in ("sinh", "cosh", "tanh", "asinh", "atanh", "fabs")]
     results += [g.call("acosh", x + 1), g.call("atan2", x, y), g.call("pow", x, y)]
+    results += [g.call(name, *pair) for name in ("fmax", "fmin") for pair in ((x, y), (y, x))]
     assert_derivatives(results, {x: 0.7, y: -0.4, z: 1.3})
 
 
@@ -59,7 +67,7 @@ def test_what_does_not_depend_costs_nothing():
     assert dy is g.zero
     assert dx is g.cos(x) * 3
     assert gradient([g.sin(x) * 3 + 1], [g.one], [x, y]) == [dx, dy]
-    assert jacobian([], [x]) == gradient([], [], [x]) == []
+    assert jacobian([], [x]) == gradient([], [], [x]) == directional([], {x: y}) == []
 
 
 def test_what_cancels_vanishes():
@@ -142,3 +150,37 @@ def test_kernels_of_derivatives_hold_together(backend, tmp_path):
     linear = sp.Matrix.hstack(*robot.linearize(*map(list, (q[0], qd[0], tau[0]))))[6:, :]
     found = np.hstack([a_by_q[0], a_by_qd[0], inverse[0]])
     np.testing.assert_allclose(found, np.array(linear, dtype=float), rtol=1e-9, atol=1e-9)
+
+
+#: second derivatives, and the function whose results they are the derivatives of, by its inputs
+SECOND = {
+    "tau_second_derivatives": ("tau_derivatives", [(0, "q"), (0, "qd"), (1, "qd"), (2, "q")]),
+    "tau_hessian": ("tau_vjp", [(0, "q"), (0, "qd"), (1, "qd"), (0, "qdd")]),
+    "forward_dynamics_hessian": (
+        "forward_dynamics_vjp",
+        [(0, "q"), (0, "qd"), (1, "qd"), (0, "tau")],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SECOND)
+@pytest.mark.parametrize("seed", range(2))
+def test_second_derivatives(name, seed):
+    """Every block against differences of the first derivatives in high precision."""
+    rng = random.Random(seed)
+    robot = random_robot(rng, 3, rng.choice(["dh", "mdh"]))
+    robot.rotor_inertias = [sp.Rational(1, i + 2) for i in range(3)]
+    first, blocks = SECOND[name]
+    by_name = routines(robot, first, name)
+    plain, derived = by_name[first], by_name[name]
+    graph = next(iter(plain.schedule)).graph
+    inputs = {
+        graph.input(a.name, k): rng.uniform(-2, 2) for a in derived.inputs for k in range(a.size)
+    }
+    found = np.array(list(map(float, evaluate(derived.results, inputs)))).reshape(4, -1, 3)
+    thirds = np.split(np.array(plain.results, object), 3)
+    for block, (part, by) in zip(found, blocks, strict=True):
+        variables = [graph.input(by, k) for k in range(3)]
+        expected = differences(list(thirds[part]), inputs, variables)
+        scale = max(1.0, np.abs(expected).max())
+        np.testing.assert_allclose(block / scale, expected / scale, rtol=0, atol=1e-10)

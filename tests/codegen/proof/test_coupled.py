@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
+from functions import SHORT
 from robots import random_robot
 from trees import coupled, matrix_of, random_rows
 
@@ -14,7 +15,6 @@ import moro_codegen as mc
 from moro import Robot
 from moro.model import REVOLUTE, Body, Coordinate, Drive, Joint, Model, Parameter, Placement
 
-FUNCTIONS = tuple(mc.FUNCTIONS)
 PALLETIZER = [[(0, 1)], [(1, 1)], [(2, 1)], [(1, -1), (2, -1)], [(3, 1)]]
 
 
@@ -27,7 +27,7 @@ def five_joints():
     )  # fmt: skip
 
 
-def verified(robot, directory, functions=FUNCTIONS):
+def verified(robot, directory, functions=SHORT):
     kernel = mc.compile(robot, functions=functions, directory=directory)
     verification = mc.verify(kernel, robot)
     assert verification.passed, verification.max_errors

@@ -6,7 +6,7 @@ from dynamics import exact_case
 from exact import rational
 from recursion import forward_dynamics
 
-from moro.algorithms.factorization import factorized, solution
+from moro.algorithms.factorization import factorized, inverse, inverse_of_symmetric, solution
 from moro.algorithms.posture import posture
 
 
@@ -40,3 +40,11 @@ def test_accelerations(seed):
     left = [x - y for x, y in zip(tau, bias, strict=True)]
     expected = forward_dynamics(case.model, case.q, case.qd, tau, case.sincos)
     assert solution(factorized(case.M, arm(case)), left) == expected
+
+
+@pytest.mark.parametrize("seed", range(1, 8))
+def test_inverses(seed):
+    case = exact_case(seed, massive=True)
+    M, unit = case.M, np.eye(case.n, dtype=int).tolist()
+    for found in (inverse(factorized(M, arm(case))), inverse_of_symmetric(M)):
+        assert (np.array(found, object) @ np.array(M, object)).tolist() == unit

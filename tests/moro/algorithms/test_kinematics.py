@@ -7,8 +7,10 @@ import pytest
 from arms import NAMES, numeric, sincos
 from dynamics import assert_close, by_formulas, exact_case, numbers, reference_case
 from exact import moving_points
-from recursion import forward_kinematics, jacobian
+from recursion import forward_kinematics, jacobian, with_tip
 from robots import random_robot
+
+from moro.algorithms.kinematics import frame_acceleration, frame_velocity
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -55,3 +57,31 @@ def test_symbolic_route(n, convention):
     R, p = form.geometry.pose(form.model.tip)
     assert_close(pose.R, numbers(R))
     assert_close(pose.p, numbers(p))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_motion_of_the_frame(seed):
+    """Of its origin as a point moves; turning as its axes do, which accelerate by U."""
+    case = exact_case(seed)
+    R, p = case.model.tip.placement.R, case.model.tip.placement.p
+    ends = [[x + row[k] for x, row in zip(p, R, strict=True)] for k in range(3)]
+    points = [[] for _ in range(case.n - 1)] + [[(1, tuple(end)) for end in (p, *ends)]]
+    moving = moving_points(case.model, points, case.sincos, case.q, case.qd, case.qdd)
+    (_, origin), *axes = moving
+    arm = with_tip(case.model, case.q, case.sincos)
+    (omega, v), (alpha, a) = (
+        frame_velocity(arm, case.qd),
+        frame_acceleration(arm, case.qd, case.qdd),
+    )
+    assert list(v) == [x.c[1] for x in origin]
+    assert list(a) == [2 * x.c[2] for x in origin]
+    for _, end in axes:
+        axis, rate, change = (
+            [
+                f * (x.c[f] - o.c[f]) if f else x.c[0] - o.c[0]
+                for x, o in zip(end, origin, strict=True)
+            ]
+            for f in (0, 1, 2)
+        )
+        assert list(np.cross(omega, axis)) == rate
+        assert list(np.cross(alpha, axis) + np.cross(omega, rate)) == change
