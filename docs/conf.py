@@ -12,11 +12,12 @@ sys.path.insert(0, str(Path(__file__).parent / "_extensions"))
 project = "moro"
 release = moro.__version__
 
-extensions = ["mathml", "reports", "myst_parser", "sphinx.ext.autodoc", "sphinx_copybutton"]
+extensions = ["mathml", "reports", "myst_nb", "sphinx.ext.autodoc", "sphinx_copybutton"]
 exclude_patterns = ["_build"]
 
 myst_enable_extensions = ["amsmath", "deflist", "dollarmath"]
 myst_heading_anchors = 3
+nb_execution_mode = "off"  # the outputs in the files are those that tests have compared
 
 math_renderer = "mathml"
 autodoc_member_order = "bysource"

@@ -1,7 +1,8 @@
-"""Put the real output of every sample into the pages: python -m docs.refresh [PAGE.md ...].
+"""Put the real output of every sample into the pages: python -m docs.refresh [PAGE ...].
 
-And the formulas and tables of blocks.py. tests/test_docs.py checks that pages and output agree.
-Look at what changed before you commit it.
+And the formulas and tables of blocks.py; a PAGE may be a notebook, in which outputs are kept.
+tests/test_docs.py and test_notebooks.py check that pages and output agree. Look at what changed
+before you commit it.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ PAGES = (
 
 #: characters of a line of output that fit on a page
 WIDTH = 90
+#: what is run as a whole
+NOTEBOOKS = tuple(sorted((ROOT / "docs/notebooks").glob("*.ipynb")))
 
 _SAMPLE = re.compile(r"^```(python|yaml|xml|c|cpp)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _PART = re.compile(f"{_SAMPLE.pattern}|{BLOCK.pattern}", re.MULTILINE | re.DOTALL)
@@ -95,11 +98,36 @@ def _wrapped(text: str) -> Iterator[str]:
             )
 
 
+def executed(notebook: Path) -> str:
+    """Return a notebook with its outputs as they are now, and nothing of when and where."""
+    import nbformat
+    from nbclient import NotebookClient
+    from traitlets.config import Config
+
+    found = nbformat.read(notebook, as_version=4)
+    with tempfile.TemporaryDirectory() as folder:
+        NotebookClient(
+            found,
+            resources={"metadata": {"path": folder}},
+            record_timing=False,
+            timeout=300,
+            config=Config({"KernelManager": {"transport": "ipc", "ip": f"{folder}/kernel"}}),
+        ).execute()
+    for cell in found.cells:
+        if cell.cell_type == "code":  # lines that said what was waited for are empty by now
+            cell.outputs = [x for x in cell.outputs if x.get("data") != {"text/plain": ""}]
+    found.metadata.language_info = {"name": "python"}
+    return f"{nbformat.writes(found)}\n"
+
+
 def main() -> None:
     """Refresh the pages that are named, or all."""
     here = Path.cwd()
-    pages = [Path(name).resolve() for name in sys.argv[1:]] or PAGES
+    pages = [Path(name).resolve() for name in sys.argv[1:]] or [*PAGES, *NOTEBOOKS]
     for page in pages:
+        if page.suffix == ".ipynb":
+            page.write_text(executed(page), encoding="utf-8")
+            continue
         text = page.read_text(encoding="utf-8")
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)  # where samples find the robot files of their page

@@ -19,7 +19,9 @@ _STYLE = (
     "<style>.equations td { text-align: left !important; white-space: nowrap; "
     "vertical-align: baseline; padding: 0.15em 0.1em; background: none; } "
     ".equations td:first-child { text-align: right !important; } "
-    ".equations math { font-size: 1.1em; }</style>"
+    ".equations tr { background: none !important; } "  # which notebooks stripe
+    ".equations math { font-size: 1.1em; } "
+    ".equations mover > mo { padding-block-end: 0.1em; }</style>"  # dots clear the letter
 )
 
 
