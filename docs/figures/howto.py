@@ -55,6 +55,17 @@ def operational_space(x: dict[str, Any]) -> Figure:
     return figure
 
 
+def contact(x: dict[str, Any]) -> Figure:
+    """Draw the residuals of shoulder and elbow, and the torques of the pull."""
+    figure, (axes,) = _axes(1, 6.4, 3.0)
+    for joint, color, name, height in ((1, LINK, "shoulder", 0.25), (2, JOINT, "elbow", 0.75)):
+        axes.plot(x["times"], x["pulls"][:, joint], color=color, lw=0.9, ls=(0, (4, 3)))
+        axes.plot(x["times"], x["residuals"][:, joint], color=color)
+        _label(axes, 0.30, height, name, color)
+    axes.set(xlabel="time [s]", ylabel="residual [N m]", xlim=(0, 1))
+    return figure
+
+
 def simulation(x: dict[str, Any]) -> Figure:
     """Draw the angle of the second link of all pendulums."""
     figure, (axes,) = _axes(1, 6.4, 3.2)
@@ -73,7 +84,7 @@ def trajectory_optimisation(x: dict[str, Any]) -> Figure:
     for k, color in enumerate((LINK, JOINT)):
         left.plot(times, x["states"][k], color=color)
         right.stairs(x["torques"][k], times, color=color, lw=1.4, baseline=None)
-        _label(left, *((0.52, 0.33) if k == 0 else (0.55, 0.86)), f"$q_{k + 1}$", color)
+        _label(left, *((0.60, 0.30) if k == 0 else (0.55, 0.78)), f"$q_{k + 1}$", color)
     for bound in (-10, 10):
         right.axhline(bound, color=SOFT, lw=0.8, ls=(0, (4, 3)))
     left.set(xlabel="time [s]", ylabel="angle [rad]", xlim=(0, times[-1]))
@@ -97,6 +108,7 @@ def identification(x: dict[str, Any]) -> Figure:
 _FIGURES: dict[str, Callable[[dict[str, Any]], Figure]] = {
     "computed-torque": computed_torque,
     "operational-space": operational_space,
+    "contact": contact,
     "identification": identification,
     "simulation": simulation,
     "trajectory-optimisation": trajectory_optimisation,
