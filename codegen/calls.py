@@ -13,6 +13,7 @@ import itertools
 import math
 import operator
 import os
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache, cached_property
@@ -93,13 +94,16 @@ class Calls:
         """Return the function: it checks its arguments, then ``run(operands, results)`` fills.
 
         ``direct(*operands)``, if there is one, is tried first: it returns the results for arrays
-        that need no check, and NotImplemented for others.
+        that need no check, and NotImplemented for others. What other processes get for the function
+        is its attribute ``public``, if it has one.
         """
 
         def general(*args: Any, **keywords: Any) -> Any:
             given, parameters, out, threads = self._bind(args, keywords)
             arrays = [self._array(a, x) for a, x in zip(self.inputs, given, strict=True)]
             arrays += self._parameter_arrays(parameters)
+            if any(map(_is_lazy, arrays)):
+                return self._lazily(getattr(function, "public", function), arrays, out, threads)
             samples = self._samples(arrays)
             shapes = [samples + a.shape for a in self.outputs]
             if out is None:
@@ -219,7 +223,7 @@ class Calls:
         if _is_masked(value):
             raise ValueError(f"{self.name}: {a.name} has masked entries")
         try:
-            array = np.asarray(value)
+            array = value if _is_lazy(value) else np.asarray(value)
         except ValueError as error:
             raise ValueError(f"{self.name}: {a.name} is no array: {error}") from None
         if array.dtype.kind not in "iuf":
@@ -228,11 +232,13 @@ class Calls:
                 f"({_short(value)})"
             )
         if array.shape[max(array.ndim - len(a.shape), 0) :] != a.shape:
+            if _is_asked_by_dask():
+                return np.zeros((*array.shape[: array.ndim - len(a.shape)], *a.shape), self.dtype)
             raise ValueError(
                 f"{self.name}: {a.name} ({a.description}) must have shape "
                 f"{_either_shape(a.shape)}, found {array.shape}"
             )
-        return np.asarray(array, dtype=self.dtype)
+        return array if _is_lazy(array) else np.asarray(array, dtype=self.dtype)
 
     def _parameter_arrays(self, given: Any) -> list[Any]:
         """Return the run-time parameters as the last axis of one array; none if there are none."""
@@ -319,6 +325,31 @@ class Calls:
         if _meets_itself(out):
             raise ValueError(f"{self.name}: out has several components in one place of memory")
 
+    # -- arrays of Dask ----------------------------------------------------------------------------
+
+    def _lazily(
+        self, function: Callable[..., Any], arrays: Sequence[Any], out: Any, threads: int
+    ) -> Any:
+        """Return results as arrays of Dask: ``function`` of every chunk of the samples."""
+        if out is not None:
+            raise TypeError(f"{self.name}: results of Dask's arrays are Dask's: leave out= out")
+        if not any(np.isnan(n) for x in arrays for n in x.shape):
+            self._samples(arrays)
+        before, after = (
+            ",".join(f"({','.join(map(str, a.shape))})" for a in operands)
+            for operands in (self.operands, self.outputs)
+        )
+        dask: Any = sys.modules["dask.array"]  # which nobody here imports: its arrays are given
+        return dask.apply_gufunc(
+            function,
+            f"{before}->{after}",
+            *arrays,
+            output_dtypes=[self.dtype] * len(self.outputs),
+            output_sizes={str(n): n for a in self.outputs for n in a.shape},
+            allow_rechunk=True,
+            **({} if threads == 1 else {"threads": threads}),
+        )
+
     # -- threads -----------------------------------------------------------------------------------
 
     def _run_in_threads(
@@ -384,6 +415,23 @@ def _is_masked(value: Any) -> bool:
     if isinstance(value, (list, tuple)):
         return any(np.ma.is_masked(x) for x in value if isinstance(x, np.ma.MaskedArray))
     return isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value)
+
+
+def _is_lazy(value: Any) -> bool:
+    """Tell whether this is an array of Dask."""
+    dask = sys.modules.get("dask.array")
+    return dask is not None and isinstance(value, getattr(dask, "Array", ()))
+
+
+def _is_asked_by_dask() -> bool:
+    """Tell whether Dask tries the function, on arrays of size 0 or 1, to see what it returns."""
+    frame = sys._getframe()
+    while frame.f_back is not None:
+        frame = frame.f_back
+        asks = frame.f_code.co_name in ("apply_infer_dtype", "compute_meta")
+        if asks and frame.f_globals.get("__name__", "").startswith("dask."):
+            return True
+    return False
 
 
 def _overlap(a: Any, b: Any) -> bool:

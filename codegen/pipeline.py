@@ -7,13 +7,12 @@ reuse what is there if it is the same kernel.
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 import platform
 import re
 import time
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from datetime import datetime, timezone
 from importlib import metadata
 from pathlib import Path
@@ -26,12 +25,12 @@ from moro.model import Model, as_model
 from moro.robot import Robot
 from moro_codegen import backends
 from moro_codegen.backends import Backend
-from moro_codegen.backends.toolchain import FALLBACK, Compiler, ProcessorError, ToolchainError
 from moro_codegen.functions.requested import Request
 from moro_codegen.kernel import store
+from moro_codegen.kernel.building import Work, is_there
 from moro_codegen.kernel.kernel import Kernel
 from moro_codegen.program import Program, generate
-from moro_codegen.progress import shown, tell
+from moro_codegen.progress import shown
 
 #: what every C source defines besides its functions, after the robot's name
 SYMBOLS = ("fault", "key")
@@ -127,25 +126,16 @@ def build(
     start = time.perf_counter()
     texts = sources(program, maker)
     seconds["emit"] = time.perf_counter() - start
-    work = _Work(maker, texts, maker.compiler(program, arch))
-    manifest = _manifest(program, work, source)
+    operations = sum(sum(routine.ops.values()) for routine in program.routines)
+    compiler = maker.compiler(operations, arch)
+    work = Work.of(maker, texts, compiler, _described(program, maker, texts, source))
     folder = Path(directory).absolute()
     if named_by_key:
-        folder /= f"{program.name}-{manifest['key'][:16]}"
+        folder /= work.own_folder
     start = time.perf_counter()
-    reused = _is_there(folder, manifest, work)
+    reused = is_there(folder, work, Kernel)
     seconds["compile"] = time.perf_counter() - start
     return Kernel(folder, reused=reused, timings=seconds)
-
-
-@dataclass(frozen=True)
-class _Work:
-    """What there is to do for a kernel."""
-
-    backend: Backend
-    #: by path
-    texts: Mapping[str, str]
-    compiler: Compiler | None
 
 
 def sources(program: Program, writer: Backend) -> dict[str, str]:
@@ -176,10 +166,14 @@ def check_names(program: Program, taken: Collection[str], reserved: Collection[s
             raise ValueError(f"a function cannot be named {name!r}: generated code uses that name")
 
 
-def _manifest(program: Program, work: _Work, source: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return a kernel's manifest; its "key" is the hash of everything that shapes the kernel."""
-    compiler, texts = work.compiler, work.texts
-    manifest = {
+def _described(
+    program: Program,
+    backend: Backend,
+    texts: Mapping[str, str],
+    source: Mapping[str, Any] | None,
+) -> dict[str, Any]:
+    """Return what a kernel's manifest says before it is known what the kernel is built with."""
+    return {
         "format": store.FORMAT,
         "name": program.name,
         "dof": program.dof,
@@ -188,8 +182,8 @@ def _manifest(program: Program, work: _Work, source: Mapping[str, Any] | None) -
         "convention": program.convention,
         "gravity": None if program.gravity is None else list(program.gravity),
         "scalar": program.scalar,
-        "backend": work.backend.name,
-        "texts": hashlib.sha256(json.dumps(dict(texts), sort_keys=True).encode()).hexdigest(),
+        "backend": backend.name,
+        "texts": store.hash_of(texts),
         "input": dict(source or {}),
         "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "versions": {
@@ -198,55 +192,6 @@ def _manifest(program: Program, work: _Work, source: Mapping[str, Any] | None) -
             "numpy": np.__version__,
             "sympy": metadata.version("sympy"),
         },
-        "compiler": None if compiler is None else work.backend.made_with(compiler),
         "parameters": [asdict(parameter) for parameter in program.parameters],
         "functions": [signature.as_json() for signature in program.signatures],
     }
-    return {**manifest, "key": store.key_of(manifest)}
-
-
-def _is_there(folder: Path, manifest: Mapping[str, Any], work: _Work) -> bool:
-    """See to it that the folder holds the kernel; tell whether it did so already."""
-    if store.is_current(folder, manifest) and store.has_input(folder, manifest):
-        return True
-    try:
-        with store.lock(folder):
-            if not store.is_current(folder, manifest):
-                tell(f"{'compiling' if work.compiler else 'writing'} {manifest['name']}")
-                _install(folder, manifest, work)
-                return False
-            if not store.has_input(folder, manifest):
-                store.record_input(folder, manifest)
-    except OSError:
-        if not store.is_current(folder, manifest):
-            raise
-    return True
-
-
-def _install(folder: Path, manifest: Mapping[str, Any], work: _Work) -> None:
-    """Build a kernel beside the folder, try it, and move it there."""
-    name, key = manifest["name"], manifest["key"]
-    with store.workshop(folder) as beside:
-        new = beside / folder.name
-        new.mkdir()
-        for path, text in work.backend.signed(work.texts, name, key).items():
-            (new / path).parent.mkdir(parents=True, exist_ok=True)
-            (new / path).write_text(text, encoding="utf-8")
-        if work.compiler is not None:
-            work.backend.build(work.compiler, new, name)
-        files = {path: store.digest(new / path) for path in store.paths(new)}
-        store.write_manifest(new, {**manifest, "files": files})
-        _try(new)
-        store.move(new, folder)
-
-
-def _try(folder: Path) -> None:
-    """Load a new kernel, as its users will."""
-    try:
-        Kernel(folder)
-    except ProcessorError:
-        pass  # for another processor, as the user wished
-    except OSError as error:
-        raise ToolchainError(
-            f"the compiler's library cannot be loaded: {error}\n{FALLBACK}"
-        ) from None

@@ -48,6 +48,17 @@ def find_blocks(document: Document) -> Iterator[Region]:
             yield Region(match.start(), match.end(), (expression, shown), compare_block)
 
 
+def find_needs(document: Document) -> Iterator[Region]:
+    """Yield where a page needs what not everyone has: <!-- needs: numba, scipy -->."""
+    for match in re.finditer(r"^<!-- needs: (.*) -->$", document.text, re.MULTILINE):
+        yield Region(match.start(), match.end(), match[1].split(", "), skip_without)
+
+
+def skip_without(example: Example) -> None:
+    for name in example.parsed:
+        pytest.importorskip(name, reason=f"the rest of the page needs {name}, not installed here")
+
+
 def compare_block(example: Example) -> None:
     expression, shown = example.parsed
     written = eval(expression, {**example.namespace, **blocks.NAMES})  # noqa: S307
@@ -62,6 +73,7 @@ SAMPLES = Sybil(
         CodeBlockParser("c", write_source),
         CodeBlockParser("cpp", write_source),
         find_blocks,
+        find_needs,
     ]
 )
 

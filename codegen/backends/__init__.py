@@ -62,8 +62,12 @@ class Backend(ABC):
         """Return the texts of a robot of this name so that what is opened says the kernel's key."""
         return dict(texts)
 
-    def compiler(self, program: Program, arch: str) -> Compiler | None:
-        """Return what builds a program for a processor; None: there is nothing to build.
+    def unsigned(self, texts: Mapping[str, str], name: str, key: str) -> dict[str, str]:
+        """Return the texts that ``signed`` was given."""
+        return dict(texts)
+
+    def compiler(self, operations: int, arch: str) -> Compiler | None:
+        """Return what builds a program of so many operations for a processor; None: nothing to do.
 
         Raise ToolchainError if something is missing, ValueError if ``arch`` makes no sense.
         """

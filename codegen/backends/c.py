@@ -30,9 +30,12 @@ class C(Backend):
         """Return the texts, with a function in the source that returns the key."""
         return signed(texts, f"{name}.c", name, key)
 
-    def compiler(self, program: Program, arch: str) -> Compiler:
+    def unsigned(self, texts: Mapping[str, str], name: str, key: str) -> dict[str, str]:
+        """Return the texts without that function."""
+        return unsigned(texts, f"{name}.c", name, key)
+
+    def compiler(self, operations: int, arch: str) -> Compiler:
         """Return the C compiler, with flags for a program of this length."""
-        operations = sum(sum(routine.ops.values()) for routine in program.routines)
         return toolchain.compiler_for(operations, arch)
 
     def build(self, compiler: Compiler, folder: Path, name: str) -> None:
@@ -80,7 +83,16 @@ class C(Backend):
 
 def signed(texts: Mapping[str, str], path: str, name: str, key: str) -> dict[str, str]:
     """Return texts of which the C source at ``path`` has a function that returns the key."""
-    return {**texts, path: texts[path] + render("key.c.jinja", symbol=f"{name}_key", key=key)}
+    return {**texts, path: texts[path] + _key(name, key)}
+
+
+def unsigned(texts: Mapping[str, str], path: str, name: str, key: str) -> dict[str, str]:
+    """Return the texts that ``signed`` was given."""
+    return {**texts, path: texts[path].removesuffix(_key(name, key))}
+
+
+def _key(name: str, key: str) -> str:
+    return render("key.c.jinja", symbol=f"{name}_key", key=key)
 
 
 def require_sound(library: Library, path: Path, name: str) -> None:

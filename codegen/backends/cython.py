@@ -16,7 +16,7 @@ from moro_codegen import calls
 from moro_codegen._runtime import Library
 from moro_codegen.backends import Backend, Folder, Opened, c_text, extension
 from moro_codegen.backends.c import BACKEND as C
-from moro_codegen.backends.c import require_sound, signed
+from moro_codegen.backends.c import require_sound, signed, unsigned
 from moro_codegen.backends.toolchain import Compiler
 from moro_codegen.emit.describe import argument_lines, conventions, docstring
 from moro_codegen.emit.render import render
@@ -48,11 +48,15 @@ class Cython(Backend):
 
     def signed(self, texts: Mapping[str, str], name: str, key: str) -> dict[str, str]:
         """Return the texts, with a function in the C source that returns the key."""
-        return signed(texts, f"{outside(name)}/{package(name)}/{name}.c", name, key)
+        return signed(texts, _source(name), name, key)
 
-    def compiler(self, program: Program, arch: str) -> Compiler:
+    def unsigned(self, texts: Mapping[str, str], name: str, key: str) -> dict[str, str]:
+        """Return the texts without that function."""
+        return unsigned(texts, _source(name), name, key)
+
+    def compiler(self, operations: int, arch: str) -> Compiler:
         """Return the C compiler, as that of the C backend."""
-        return C.compiler(program, arch)
+        return C.compiler(operations, arch)
 
     def made_with(self, compiler: Compiler) -> dict[str, Any]:
         """Return also the versions of Cython and setuptools."""
@@ -92,6 +96,10 @@ def outside(name: str) -> str:
 def package(name: str) -> str:
     """Return the name of the package of a robot: ``import puma560_kernel``."""
     return f"{name}_kernel"
+
+
+def _source(name: str) -> str:
+    return f"{outside(name)}/{package(name)}/{name}.c"
 
 
 def emit(program: Program, made: Sequence[str] = ()) -> dict[str, str]:

@@ -56,6 +56,11 @@ class NumPy(Backend):
         path = f"{name}.py"
         return {**texts, path: texts[path] + render("key.py.jinja", key=key)}
 
+    def unsigned(self, texts: Mapping[str, str], name: str, key: str) -> dict[str, str]:
+        """Return the module without it."""
+        path = f"{name}.py"
+        return {**texts, path: texts[path].removesuffix(render("key.py.jinja", key=key))}
+
     def loaded(self, folder: Path, name: str) -> Path:
         """Return the path of the module."""
         return folder / f"{name}.py"

@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from functools import cached_property, partial, update_wrapper
+from functools import cached_property, lru_cache, partial, update_wrapper
 from pathlib import Path
-from types import FunctionType
+from types import BuiltinFunctionType, FunctionType
 from typing import TYPE_CHECKING, Any
 
 from moro_codegen import backends
 from moro_codegen.backends import Backend, Folder, Opened
 from moro_codegen.kernel import native
+from moro_codegen.kernel.parcel import Parcel
 from moro_codegen.kernel.store import MANIFEST, DamagedError, checked_file, read_manifest, settled
 from moro_codegen.signature import Signature
 
@@ -73,6 +74,7 @@ class Kernel:
         self.signatures = {
             item["name"]: Signature.from_json(item) for item in self.manifest["functions"]
         }
+        self._parcel = Parcel(self.directory, self.manifest["key"], self.manifest)
         self.ops = {name: dict(s.ops) for name, s in self.signatures.items()}
         try:
             opened = self._opened(backends.get(self.backend))
@@ -80,7 +82,10 @@ class Kernel:
             raise DamagedError(self.directory, str(error)) from None
         self.source, self.header, self.library = opened.source, opened.header, opened.library
         for name, call in opened.functions:
-            kept = _Kept(call, self.directory) if isinstance(call, FunctionType) else call
+            kept = _Kept(call, self._parcel) if isinstance(call, FunctionType) else call
+            bound: Any = call.__self__ if isinstance(call, BuiltinFunctionType) else None
+            general: Any = bound.general if bound else call
+            general.public = _Sent(self._parcel, name, kept)
             setattr(self, name, kept)
 
     def _opened(self, backend: Backend) -> Opened:
@@ -92,7 +97,7 @@ class Kernel:
             self.directory,
             self.name,
             self.signatures,
-            lambda name: (_function_of, (self.directory, name)),
+            lambda name: (_function_of, (self._parcel, name)),
         )
         opened = backend.open(folder, content)
         if opened.key not in (None, self.manifest["key"]):
@@ -155,25 +160,50 @@ class Kernel:
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Kernel, (self.directory,)
+        return _sent, (self._parcel,)
 
 
 class _Kept(partial):  # type: ignore[type-arg]
-    """A function of Python that is pickled as that of the kernel in a folder."""
+    """A function of Python that is pickled as that of a kernel."""
 
-    _origin: tuple[Path, str]
+    _origin: tuple[Parcel, str]
 
-    def __new__(cls, function: Callable[..., Any], directory: Path) -> _Kept:
+    def __new__(cls, function: Callable[..., Any], parcel: Parcel) -> _Kept:
         kept = super().__new__(cls, function)
         update_wrapper(kept, function)
-        kept._origin = directory, function.__name__
+        kept._origin = parcel, function.__name__
         return kept
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _function_of, self._origin
 
 
-def _function_of(directory: Path, name: str) -> Any:
-    """Return a function of the kernel in a folder; of one in C, the object it is bound to."""
-    function = getattr(Kernel(directory), name)
+class _Sent:
+    """A function of a kernel in tasks: opened where they are run, not where they are planned."""
+
+    def __init__(
+        self, parcel: Parcel, name: str, function: Callable[..., Any] | None = None
+    ) -> None:
+        self._parcel, self.__name__, self._function = parcel, name, function
+
+    def __call__(self, *args: Any, **keywords: Any) -> Any:
+        if self._function is None:
+            self._function = getattr(_sent(self._parcel), self.__name__)
+        return self._function(*args, **keywords)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _Sent, (self._parcel, self.__name__)
+
+
+@lru_cache(maxsize=32)  # tasks come by the thousand, each with its function
+def _sent(parcel: Parcel) -> Kernel:
+    """Return the kernel that was sent to this process, and can be sent on."""
+    kernel = parcel.opened(Kernel)
+    kernel._parcel.content = parcel.content
+    return kernel
+
+
+def _function_of(parcel: Parcel, name: str) -> Any:
+    """Return a function of a kernel that was sent; of one in C, the object it is bound to."""
+    function = getattr(_sent(parcel), name)
     return function if isinstance(function, _Kept) else function.__self__

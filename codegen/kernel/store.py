@@ -71,6 +71,11 @@ def key_of(manifest: Mapping[str, Any]) -> str:
     return _sha256(json.dumps([manifest.get(field) for field in SHAPING], sort_keys=True))
 
 
+def hash_of(texts: Mapping[str, str]) -> str:
+    """Return the hash of the texts of a kernel, by path."""
+    return _sha256(json.dumps(dict(texts), sort_keys=True))
+
+
 def read_manifest(folder: Path) -> dict[str, Any]:
     """Return the manifest in a folder.
 
