@@ -194,6 +194,47 @@ def growth() -> str:
     )
 
 
+def embedded(target: str) -> str:
+    """Return what tau takes of a processor: bytes and instructions, robot by robot."""
+    found = _results("embedded")["records"]
+    return _table(
+        ("robot", "joints", "operations", "code", "stack", "instructions", "with libm's sines"),
+        (
+            (
+                r["arm"], str(r["joints"]), str(r["operations"]), f"{r['code']} B",
+                f"{r['stack']} B", str(r["instructions"]), str(r["instructions_with_libm"]),
+            )
+            for r in found
+            if r["target"] == target
+        ),
+    )  # fmt: skip
+
+
+def embedded_targets(arm: str) -> str:
+    """Return what tau of a robot takes of processors, and what a sample of a batch takes."""
+    found = [r for r in _results("embedded")["records"] if r["arm"] == arm]
+    return _table(
+        ("processor", "code", "stack", "instructions", "batch: code", "stack", "instructions"),
+        (
+            (
+                r["target"], f"{r['code']} B", f"{r['stack']} B", str(r["instructions"]),
+                f"{r['batch_code']} B", f"{r['batch_stack']} B", str(r["batch_instructions"]),
+            )
+            for r in found
+        ),
+    )  # fmt: skip
+
+
+def embedded_tools() -> str:
+    """Return what compiled and counted embedded code, as a sentence."""
+    versions: dict[str, set[str]] = {"GCC": set(), "QEMU": set()}
+    for tool, said in _results("embedded")["compilers"].items():
+        found = re.search(r"\d+\.\d+\.\d+", said)
+        versions["GCC" if tool.endswith("gcc") else "QEMU"].add(found[0] if found else said)
+    gcc, qemu = (" and ".join(sorted(numbers)) for numbers in versions.values())
+    return f"(Compiled by GCC {gcc}, counted in QEMU {qemu}.)\n"
+
+
 def _names(arguments: Iterable[Argument], quote: str = "") -> str:
     return ", ".join(f"{quote}{a.name}{quote}" for a in arguments)
 
@@ -244,6 +285,9 @@ NAMES = {
         faster,
         measured_on,
         symbolic,
+        embedded,
+        embedded_targets,
+        embedded_tools,
     )
 }
 #: expressions that begin like this tell of the machine at hand: no two runs are equal

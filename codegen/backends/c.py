@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from moro_codegen._runtime import Function, Library, gufunc
-from moro_codegen.backends import Backend, Folder, Opened, c_text, toolchain
+from moro_codegen.backends import Backend, Folder, Opened, c_text, machines, toolchain
 from moro_codegen.backends.toolchain import Compiler, ProcessorError, ToolchainError
 from moro_codegen.emit.describe import docstring
 from moro_codegen.emit.render import render
@@ -49,6 +49,7 @@ class C(Backend):
     def open(self, folder: Folder, content: bytes) -> Opened:
         """Open the shared library."""
         path = self.loaded(folder.path, folder.name)
+        require_kind(content, path)
         library = Library(str(path))
         source = folder.path / f"{folder.name}.c"
         key = library.text(f"{folder.name}_key")
@@ -93,6 +94,16 @@ def unsigned(texts: Mapping[str, str], path: str, name: str, key: str) -> dict[s
 
 def _key(name: str, key: str) -> str:
     return render("key.c.jinja", symbol=f"{name}_key", key=key)
+
+
+def require_kind(content: bytes, path: Path) -> None:
+    """Raise ProcessorError for a library of another kind of machine."""
+    kind, own = machines.kind_of(content), machines.own_kind()
+    if kind and own and kind != own:
+        raise ProcessorError(
+            f"{path} was compiled for another machine: for {kind}, and this is {own}. "
+            "Build the kernel again here"
+        )
 
 
 def require_sound(library: Library, path: Path, name: str) -> None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from moro_codegen.backends import processors
 from moro_codegen.emit.describe import argument_lines, conventions, operations, wrapped
-from moro_codegen.emit.parts import Keep, Parts, Step, Take, in_parts
+from moro_codegen.emit.parts import Give, Keep, Parts, Step, Take, in_parts
 from moro_codegen.emit.render import render
 from moro_codegen.emit.statements import (
     FAR,
@@ -38,6 +38,21 @@ if TYPE_CHECKING:
 
 LINE = 100
 
+#: the most bytes that arrays of vectors may take of the stack, where fewer lanes can see to that:
+#: threads have 64 kB and less on small systems
+STACK = 24 * 1024
+
+#: registers of vectors, in bytes
+REGISTERS = (64, 32, 16)
+
+#: what is for LANES samples, and the beginnings of names for a certain number
+LANE_NAMES = {
+    "lanes": "pack", "lane_bits": "bits", "lane_memory": "memory", "EVEN": "EVEN_", "ODD": "ODD_",
+    "EACH_LANE": "EACH_LANE_", "sign_lanes": "sign_pack", "sines_pack": "sines_pack",
+    "sines_lanes": "sines_lanes_", "turn_lanes": "turn_lanes_", "load_any": "load_any_lanes_",
+    "store_any": "store_any_lanes_", "load": "load_lanes_", "store": "store_lanes_",
+}  # fmt: skip
+
 #: what C, <math.h> and our own templates call something else
 _WORDS = """
     auto break case char const continue default do double else enum extern float for goto if inline
@@ -48,15 +63,17 @@ _WORDS = """
     modf nan pow remainder rint round scalbn signgam sin sinh sqrt tan tanh tgamma trunc y0 y1 yn
     gamma drem scalb significand without_turns FAR
     S1 S2 S3 S4 S5 S6 C1 C2 C3 C4 C5 C6 LANES REDUCIBLE SHUFFLE HELPER RARE PART TWO_OVER_PI ROUNDER
-    SIGN_BIT ONE_BITS EACH_LANE EVEN ODD JOIN4 JOIN8 JOIN16 HALF_PI_1 HALF_PI_2 HALF_PI_3 HALF_PI_4
-    FROM PAIR
-    lanes lane_bits load store load_any turned turn_lanes
-    turn_far store_any sign sign_lanes sines sines_lanes sines_pack sines_of_large
-    pack2 pack4 pack8 pack16 bits2 bits4 bits8 bits16 memory2 memory4 memory8 memory16 lane_memory
-    l parameters count
+    SIGN_BIT ONE_BITS JOIN4 JOIN8 JOIN16 HALF_PI_1 HALF_PI_2 HALF_PI_3 HALF_PI_4
+    FROM PAIR NAMED OF_LANES
+    turned turn_far sign sines sines_of_large l parameters count
     """.split()  # noqa: SIM905
 #: and what its headers do; sinf is the sine of a float
-RESERVED = MACROS | TYPES | {*_WORDS, *(f"{word}f" for word in _WORDS)}
+RESERVED = (
+    MACROS
+    | TYPES
+    | {*_WORDS, *(f"{word}f" for word in _WORDS), *LANE_NAMES}
+    | {f"{stem}{n}" for stem in LANE_NAMES.values() for n in (2, 4, 8, 16)}
+)
 
 #: what the templates say of a scalar type: angles to try the sines and cosines with, and how much
 #: these may differ from libm's; for sines and cosines, pi/2 in parts, a number whose sum
@@ -141,6 +158,7 @@ def source(program: Program, *, batch: bool = True, sincos: str = "", data: str 
         far=literal(FAR[program.scalar], f),
         sizes=sorted({2, 4, *widths}),
         batch=batch,
+        lane_names=LANE_NAMES.items(),
         sincos=sincos,
         data=data,
         **{
@@ -189,6 +207,9 @@ class _Emission:
         return {
             "name": self.name,
             "lanes_name": self.lanes_name,
+            "lanes_prototype": self.lanes_prototype(self.lanes_name, ""),
+            "lanes_room": self.lanes_room,
+            "lanes_bytes": self.lanes_bytes,
             "operations": operations(self.routine),
             "notes": self.notes(),
             "batch_notes": self.batch_notes(),
@@ -310,7 +331,17 @@ class _Emission:
     @cached_property
     def parts(self) -> Parts:
         """The same, in parts that compilers can take."""
-        return in_parts(self.text)
+        return in_parts(self.text, [(a.name, a.size) for a in self.inputs])
+
+    @property
+    def is_divided(self) -> bool:
+        return len(self.parts.steps) > 1
+
+    @cached_property
+    def stored(self) -> frozenset[int]:
+        """The results that are known before the last part."""
+        steps = itertools.chain(*self.parts.steps[:-1])
+        return frozenset(step.index for step in steps if isinstance(step, Give))
 
     def scalar_parts(self) -> list[tuple[str, list[str]]]:
         """Return the parts over double but the last: prototype and lines."""
@@ -322,15 +353,23 @@ class _Emission:
         ]
 
     def scalar_body(self) -> list[str]:
-        """Return the calls of the parts, and the last part."""
-        lines = self.calls(self.name, self.real, [a.name for a in self.inputs])
-        lines += self.scalar_lines(self.parts.steps[-1], called=bool(lines))
+        """Return the calls of the parts, and the last: all is read before results are written."""
+        w, room = self.local["w"], self.parts.room
+        lines, last = [], self.parts.steps[-1]
+        if self.is_divided:
+            lines.append(f"{self.real} {w}[{room + max(self.stored, default=-1) + 1}];")
+            lines += self.calls(self.name, [*(a.name for a in self.inputs), w])
+            last = tuple(step for step in last if not isinstance(step, Give))
+        lines += self.scalar_lines(last, called=self.is_divided)
         targets = [
             f"{a.name}[{k}]" if a.shape else f"*{a.name}"
             for a in self.routine.outputs
             for k in range(a.size)
         ]
-        return lines + [f"{to} = {x};" for to, x in zip(targets, self.text.results, strict=True)]
+        values = (
+            f"{w}[{room + k}]" if k in self.stored else x for k, x in enumerate(self.text.results)
+        )
+        return lines + [f"{to} = {x};" for to, x in zip(targets, values, strict=True)]
 
     def scalar_lines(self, steps: Iterable[Step], called: bool = False) -> list[str]:
         """Return the steps of a part; what is read by no step, nor handed on, is said so."""
@@ -338,43 +377,70 @@ class _Emission:
         unused = () if called else (a.name for a in self.inputs if a.name not in read)
         lines = [f"(void){name};" for name in unused]
         for step in steps:
-            lines += scalar_lines(step, self.inputs, self.local["w"], self.real)
+            lines += scalar_lines(
+                step, self.inputs, self.local["w"], self.parts.room, self.program.scalar
+            )
         return lines
 
+    @property
+    def lanes_room(self) -> int:
+        """The vectors of x: inputs, and in their place what parts hand on."""
+        return max(self.parts.room, sum(a.size for a in self.inputs))
+
+    @property
+    def lanes_bytes(self) -> int:
+        """The largest registers to use: in long routines those that leave stack to others."""
+        if not self.is_divided:
+            return REGISTERS[0]
+        vectors = self.lanes_room + sum(a.size for a in self.routine.outputs)
+        return next((x for x in REGISTERS if vectors * x <= STACK), REGISTERS[-1])
+
+    def lanes_prototype(self, name: str, kind: str) -> str:
+        """Return the prototype of a function of x, all inputs, and y, all results."""
+        x = "lanes *restrict" if self.is_divided else "const lanes *"
+        y = "lanes *restrict" if self.is_divided else "lanes *"
+        space = " " * self.is_divided
+        return prototype(name, [f"{x}{space}x", f"{y}{space}y"], kind or "static")
+
     def lanes_parts(self) -> list[tuple[str, list[str]]]:
-        """Return the parts over vectors but the last: prototype and lines."""
-        arguments = ["const lanes *x", f"lanes *{self.local['w']}"]
+        """Return the parts over vectors but the last: prototype and lines.
+
+        Values of which later parts know lie in x, where inputs are that nothing reads any more.
+        """
         return [
-            (prototype(f"{self.lanes_name}_part_{k}", arguments, "PART"), self.lanes_lines(steps))
+            (self.lanes_prototype(f"{self.lanes_name}_part_{k}", "PART"), self.lanes_lines(steps))
             for k, steps in enumerate(self.parts.steps[:-1], start=1)
         ]
 
     def lanes_body(self) -> list[str]:
-        """Return the calls of the parts, and the last one: x holds all inputs, y all results."""
-        lines = self.calls(self.lanes_name, "lanes", ["x"])
-        lines += self.lanes_lines(self.parts.steps[-1], called=bool(lines))
+        """Return the calls of the parts, and the last one."""
+        lines = self.calls(self.lanes_name, ["x", "y"]) if self.is_divided else []
+        lines += self.lanes_lines(self.parts.steps[-1], called=self.is_divided)
+        given = {s.index for steps in self.parts.steps for s in steps if isinstance(s, Give)}
         constant = [node.op == "const" for node in self.routine.results]
         return lines + [
             f"y[{k}] = {f'(lanes){{0}} + {x}' if constant[k] else x};"
             for k, x in enumerate(self.text.results)
+            if k not in given
         ]
 
-    def lanes_lines(self, steps: Iterable[Step], called: bool = False) -> list[str]:
+    def lanes_lines(self, steps: Sequence[Step], called: bool = False) -> list[str]:
         """Return the steps of a part over vectors."""
         first = dict(zip((a.name for a in self.inputs), offsets(self.inputs), strict=True))
-        lines = [] if called or any(isinstance(s, Load) for s in steps) else ["(void)x;"]
+        lines = []
+        if not called:
+            if not any(isinstance(s, (Load, Take, Keep)) for s in steps):
+                lines.append("(void)x;")
+            if self.is_divided and not any(isinstance(s, Give) for s in steps):
+                lines.append("(void)y;")
         for step in steps:
-            lines += lanes_lines(step, first, self.local["w"], suffix(self.program))
+            lines += lanes_lines(step, first, suffix(self.program))
         return lines
 
-    def calls(self, name: str, type_: str, inputs: Sequence[str]) -> list[str]:
-        """Return the calls of all parts but the last, with the array that they share."""
-        w, count = self.local["w"], len(self.parts.steps) - 1
-        if not count:
-            return []
-        given = ", ".join([*inputs, w])
-        calls = [f"{name}_part_{k}({given});" for k in range(1, count + 1)]
-        return [f"{type_} {w}[{self.parts.room}];", *calls]
+    def calls(self, name: str, given: Iterable[str]) -> list[str]:
+        """Return the calls of all parts but the last."""
+        arguments = ", ".join(given)
+        return [f"{name}_part_{k}({arguments});" for k in range(1, len(self.parts.steps))]
 
     # -- batches ---------------------------------------------------------------------------------
 
@@ -430,13 +496,17 @@ class _Emission:
         ]
 
 
-def scalar_lines(step: Step, inputs: Iterable[Argument], shared: str, real: str) -> list[str]:
-    """Return a step over double or float; ``shared`` is the array of the parts."""
+def scalar_lines(
+    step: Step, inputs: Iterable[Argument], shared: str, room: int, real: str
+) -> list[str]:
+    """Return a step over double or float; ``shared`` is the array of the parts, then of results."""
     match step:
         case Take(name, place):
             return [f"const {real} {name} = {shared}[{place}];"]
         case Keep(name, place):
             return [f"{shared}[{place}] = {name};"]
+        case Give(name, index):
+            return [f"{shared}[{room + index}] = {name};"]
         case Load(name, argument, index):
             scalar = any(a.name == argument and not a.shape for a in inputs)
             return [
@@ -462,13 +532,15 @@ def scalar_lines(step: Step, inputs: Iterable[Argument], shared: str, real: str)
             ]
 
 
-def lanes_lines(step: Step, first: Mapping[str, int], shared: str, f: str) -> list[str]:
+def lanes_lines(step: Step, first: Mapping[str, int], f: str) -> list[str]:
     """Return a step over vectors; ``first`` says where in x an argument begins."""
     match step:
         case Take(name, place):
-            return [f"const lanes {name} = {shared}[{place}];"]
+            return [f"const lanes {name} = x[{place}];"]
         case Keep(name, place):
-            return [f"{shared}[{place}] = {name};"]
+            return [f"x[{place}] = {name};"]
+        case Give(name, index):
+            return [f"y[{index}] = {name};"]
         case Load(name, argument, index):
             return [f"const lanes {name} = x[{first[argument] + index}];"]
         case Assign(name, expression):

@@ -16,7 +16,7 @@ from moro_codegen import calls
 from moro_codegen._runtime import Library
 from moro_codegen.backends import Backend, Folder, Opened, c_text, extension
 from moro_codegen.backends.c import BACKEND as C
-from moro_codegen.backends.c import require_sound, signed, unsigned
+from moro_codegen.backends.c import require_kind, require_sound, signed, unsigned
 from moro_codegen.backends.toolchain import Compiler
 from moro_codegen.emit.describe import argument_lines, conventions, docstring
 from moro_codegen.emit.render import render
@@ -73,6 +73,7 @@ class Cython(Backend):
     def open(self, folder: Folder, content: bytes) -> Opened:
         """Open the extension."""
         path = self.loaded(folder.path, folder.name)
+        require_kind(content, path)
         library = Library(str(path))
         key = library.text(f"{folder.name}_key")
         source, header = path.with_name("functions.pyx"), path.with_name(f"{folder.name}.h")

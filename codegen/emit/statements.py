@@ -99,14 +99,6 @@ class Call:
 Statement = Load | Assign | ReduceAngles | Sines | Call
 
 
-@dataclass(frozen=True)
-class RoutineBody:
-    """The statements of a routine, and the expression of each result, in order."""
-
-    statements: tuple[Statement, ...]
-    results: tuple[str, ...]
-
-
 class Identifiers:
     """Hands out identifiers, each once."""
 
@@ -122,6 +114,16 @@ class Identifiers:
             name += "_"
         self._taken.add(name)
         return name
+
+
+@dataclass(frozen=True)
+class RoutineBody:
+    """The statements of a routine, and the expression of each result, in order."""
+
+    statements: tuple[Statement, ...]
+    results: tuple[str, ...]
+    #: hands out names that no statement has
+    names: Identifiers = field(default_factory=lambda: Identifiers(()), compare=False)
 
 
 def body(
@@ -196,9 +198,8 @@ class _Writer:
         for node in self.routine.schedule:
             if node not in leading:
                 self._write(node)
-        return RoutineBody(
-            tuple(self.statements), tuple(self._text(node).text for node in self.routine.results)
-        )
+        results = tuple(self._text(node).text for node in self.routine.results)
+        return RoutineBody(tuple(self.statements), results, self.names)
 
     # -- names -----------------------------------------------------------------------------------
 

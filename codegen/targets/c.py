@@ -45,6 +45,8 @@ def files(export: Export, *, cpp: bool = False) -> dict[str, str]:
         f"{name}-config.cmake.in": "export_config.cmake.in.jinja",
         f"{name}.pc.in": "export_pc.in.jinja",
         "Makefile": "export_makefile.jinja",
+        "cortex_m.c": "export_cortex_m.c.jinja",
+        "cortex_m.cmake": "export_cortex_m.cmake.jinja",
         "README.md": "export_c_readme.md.jinja",
         "selftest.c": "export_selftest.c.jinja",
     }.items():

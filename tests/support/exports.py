@@ -1,6 +1,7 @@
 """Exports as their users have them: a folder outside the project, and programs run in it."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -21,6 +22,18 @@ FUNCTIONS = (
     "jacobian@1",
     mc.Function("power", [q1 * qd2, sp.Matrix([q1, qd2 * q1])], "A scalar and a vector."),
 )
+#: functions of which some export has all
+SOME = ("tau", "forward_dynamics", "regressor", ("tau", "inertia_matrix"))
+#: exports in C that tests share: arm, functions, options
+EXPORTS = {
+    "double": ("two_link", FUNCTIONS, {}),
+    "float": ("two_link", SOME, {"dtype": "float32"}),
+    "batch": ("two_link", SOME, {"batch": True}),
+    "tau": ("two_link", ("tau",), {}),
+    "tauf": ("two_link", ("tau",), {"dtype": "float32"}),
+    "puma": ("puma560", ("tau", "forward_dynamics"), {}),
+    "pumaf": ("puma560", ("tau", "forward_dynamics"), {"dtype": "float32"}),
+}
 #: pytest, when it runs inside pytest, must not read our own pyproject.toml
 VARIABLES = {"PYTHONDONTWRITEBYTECODE": "1", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
 
@@ -61,6 +74,12 @@ def needs(*tools):
 def compilers():
     """GCC and Clang, each skipped where it is missing."""
     return [pytest.param(name, marks=needs(name)) for name in ("gcc", "clang")]
+
+
+def errors(printed):
+    """The errors that a self-test printed."""
+    assert "passed" in printed
+    return {name: float(x) for name, x in re.findall(r"^(\w+) +(\d\.\de[-+]\d+)", printed, re.M)}
 
 
 def tree(folder):

@@ -11,7 +11,7 @@ from arms import reference_model
 from programs import affine, files
 
 import moro_codegen as mc
-from moro_codegen.backends import processors
+from moro_codegen.backends import machines, processors
 from moro_codegen.backends.toolchain import ProcessorError, ToolchainError, find_compiler
 from moro_codegen.pipeline import build
 from moro_codegen.program import generate
@@ -145,6 +145,24 @@ def test_a_kernel_for_another_processor(tmp_path, monkeypatch, backend):
             build(affine(2), tmp_path / "arm", backend)
     with pytest.raises(ProcessorError, match=r"Build the kernel again here, or with arch="):
         mc.Kernel(tmp_path / "arm")
+    monkeypatch.setattr(machines, "own_kind", lambda: "AArch64 in ELF, 64 bits")
+    here = "for x86-64 in ELF, 64 bits, and this is AArch64 in ELF, 64 bits"
+    with pytest.raises(ProcessorError, match=f"another machine: {here}. Build the kernel again"):
+        mc.Kernel(tmp_path / "arm")
+
+
+def test_kinds_of_machines():
+    """By their files' first bytes; what does not tell is left to the system's own loader."""
+    elf = bytes([*b"\x7fELF", 2, 1, 1, *bytes(9), 3, 0, 183, 0])
+    assert machines.kind_of(elf) == "AArch64 in ELF, 64 bits"
+    big = bytes([*b"\x7fELF", 1, 2, 1, *bytes(9), 0, 3, 0, 20])
+    assert machines.kind_of(big) == "machine 20 in ELF, 32 bits"
+    mach_o = bytes.fromhex("cffaedfe 0c000001")
+    assert machines.kind_of(mach_o) == "AArch64 under macOS"
+    assert machines.kind_of(bytes.fromhex("cafebabe 00000002")) is None
+    assert machines.kind_of(b"") is None
+    own = machines.own_kind()
+    assert own is None or os.uname().machine.replace("_", "-") in own.replace("AArch64", "aarch64")
 
 
 # -- what shapes a build -----------------------------------------------------------------------

@@ -1,17 +1,30 @@
 """Long routines in parts: each part gets what it reads, and the numbers stay right."""
 
+import platform
+import re
 import subprocess
+from collections import Counter
 from functools import partial
 
 import numpy as np
 import pytest
 from arms import random_model, reference_model
+from exports import needs, run
 from programs import evaluate, everything_program
 
 from moro_codegen.backends import c_text as c
-from moro_codegen.backends.toolchain import LONG, find_compiler
-from moro_codegen.emit.parts import Keep, Take, in_parts
-from moro_codegen.emit.statements import Assign, Call, Load, ReduceAngles, RoutineBody, Sines, body
+from moro_codegen.backends.toolchain import LONG, QUICK, find_compiler
+from moro_codegen.emit.parts import ANGLES, Give, Keep, Take, in_parts, ordered
+from moro_codegen.emit.statements import (
+    Assign,
+    Call,
+    Identifiers,
+    Load,
+    ReduceAngles,
+    RoutineBody,
+    Sines,
+    body,
+)
 from moro_codegen.pipeline import build
 from moro_codegen.program import generate
 
@@ -25,28 +38,37 @@ def length(request, monkeypatch):
     return request.param
 
 
+def divided(program, length):
+    """The routine's statements, and its parts."""
+    (routine,) = program.routines
+    text = body(program, routine, ())
+    sizes = [(a.name, a.size) for a in program.signature(routine).inputs]
+    return text, in_parts(text, sizes, length)
+
+
 def test_short_routines_stay_whole():
-    program = generate(reference_model("panda"))
-    text = body(program, program.routines[0], ())
-    parts = in_parts(text)
+    text, parts = divided(generate(reference_model("panda")), 500)
     assert parts.steps == (text.statements,)
     assert parts.room == 0
 
 
+@pytest.mark.parametrize("arm", ["puma560", "everything"])
 @pytest.mark.parametrize("length", [1, 2, 13, 100])
-def test_every_value_is_where_it_is_read(length):
+def test_every_value_is_where_it_is_read(arm, length):
     """Carry the steps out by name: nothing is read that its own part does not know."""
-    program = generate(reference_model("puma560"))
-    text = body(program, program.routines[0], ())
-    parts = in_parts(text, length)
+    program = everything_program() if arm == "everything" else generate(reference_model(arm))
+    text, parts = divided(program, min(length, 13) if arm == "everything" else length)
     statements = [s for s in text.statements if not isinstance(s, Load)]
-    assert len(parts.steps) == max(1, round(len(statements) / length))
-    done, places, kept = [], {}, 0
+    inputs = program.signature(program.routines[0]).inputs
+    places = dict(enumerate((a.name, k) for a in inputs for k in range(a.size)))
+    first = {a.name: sum(b.size for b in inputs[:i]) for i, a in enumerate(inputs)}
+    done, given, kept = [], {}, 0
     for steps in parts.steps:
         known = set()
         for step in steps:
             match step:
-                case Load(name):
+                case Load(name, argument, index):
+                    assert places[first[argument] + index] == (argument, index)
                     known.add(name)
                 case Take(name, place):
                     assert places[place] == name
@@ -56,6 +78,10 @@ def test_every_value_is_where_it_is_read(length):
                     assert place < parts.room
                     places[place] = name
                     kept += 1
+                case Give(name, index):
+                    assert name in known
+                    assert index not in given
+                    given[index] = name
                 case Sines(angles, pairs, _):
                     assert known.issuperset(read(angles))
                     known.update(name for pair in pairs for name in pair)
@@ -68,11 +94,39 @@ def test_every_value_is_where_it_is_read(length):
                 case Call(name, _, arguments):
                     assert known.issuperset(read(arguments))
                     known.add(name)
-            if not isinstance(step, (Load, Take, Keep)):
+            if not isinstance(step, (Load, Take, Keep, Give)):
                 done.append(step)
-    assert done == statements
-    assert known.issuperset(read(text.results))
-    assert parts.room < kept or not kept
+    assert Counter(done) == Counter(statements)
+    if len(parts.steps) > 1:
+        others = {k: name for k, name in enumerate(text.results) if k not in given}
+        assert known.issuperset(read(others.values()))
+        assert all(text.results[k] == name for k, name in given.items())
+        assert not any(name in known for name in others.values() if name not in loaded(text))
+        assert parts.room < kept + sum(a.size for a in inputs)
+
+
+def loaded(text):
+    return {s.name for s in text.statements if isinstance(s, Load)}
+
+
+def test_few_values_wait():
+    """In the order of parts; and angles are taken a few at a time, with arrays of their own."""
+    n = 20 * ANGLES
+    names = [f"q{k}" for k in range(n)]
+    pairs = tuple((f"s{k}", f"c{k}") for k in range(n))
+    loads = [Load(name, "q", k) for k, name in enumerate(names)]
+    products = [Assign(f"p{k}", f"s{k} * c{k}") for k in range(n)]
+    sums = [Assign(f"a{k}", f"{f'a{k - 1} + ' if k else ''}p{k}") for k in range(n)]
+    sines = Sines(tuple(names), pairs, ("angle", "sine", "cosine"))
+    text = RoutineBody((*loads, sines, *products, *sums), (f"a{n - 1}",), Identifiers(["angle"]))
+    parts = in_parts(text, [("q", n)], 40)
+    assert parts.room == n  # what waits lies where inputs were
+    pieces = [step for steps in parts.steps for step in steps if isinstance(step, Sines)]
+    assert [len(s.angles) for s in pieces] == [ANGLES] * 20
+    assert len({name for s in pieces for name in s.arrays}) == 60
+    shared = [Assign(f"p{k}", f"x * {k}") for k in range(n)]
+    order = ordered([*shared, *sums], text.results)
+    assert order == [x for pair in zip(shared, sums, strict=True) for x in pair]
 
 
 def read(expressions):
@@ -84,13 +138,18 @@ def read(expressions):
 
 
 def test_an_empty_routine():
-    assert in_parts(RoutineBody((), ("0.0",)), 1).steps == ((),)
+    assert in_parts(RoutineBody((), ("0.0",)), (), 1).steps == ((),)
 
 
+@pytest.mark.parametrize("stack", [1, c.STACK])
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_numbers(tmp_path, monkeypatch, length, compiler):
-    """Batches are single calls to the last bit, and both are what the graph says."""
+def test_numbers(tmp_path, monkeypatch, length, compiler, stack):
+    """Batches are single calls to the last bit, and both are what the graph says.
+
+    Also where the stack is so small that there are few lanes.
+    """
     monkeypatch.setenv("CC", compiler)
+    monkeypatch.setattr(c, "STACK", stack)
     try:
         find_compiler()
     except RuntimeError:
@@ -153,3 +212,22 @@ def test_long_programs_are_compiled_quickly(tmp_path, monkeypatch):
     x = np.random.default_rng(0).uniform(-1, 1, (3, 20, 2))
     assert np.allclose(long.tau(*x), short.tau(*x), rtol=1e-13, atol=1e-13)
     assert sum(long.ops["tau"].values()) < LONG
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="is for registers of x86")
+@needs("gcc")
+def test_the_stack_of_batches_of_long_arms(tmp_path):
+    """Below 32 kB, where registers are large; and short routines keep all lanes."""
+    model = random_model(np.random.default_rng(5), 48, tree=True)
+    for name, text in c.emit(generate(model, ("tau", "gravity_vector"))).items():
+        (tmp_path / name).write_text(text)
+    command = ("-std=c99", *QUICK["gcc"], "-march=x86-64-v4", "-fstack-usage", "-c", "arm.c")
+    run("gcc", *command, cwd=tmp_path)
+    sizes = re.findall(r":([\w.]+)\t(\d+)", (tmp_path / "arm.su").read_text())
+    taken = {name: int(size) for name, size in sizes}
+    whole = sum(size for name, size in taken.items() if re.match("arm_tau_(batch|lanes)$", name))
+    part = max(size for name, size in taken.items() if "arm_tau_lanes_part" in name)
+    assert 8_000 < whole + part < 32_768
+    text = (tmp_path / "arm.c").read_text()
+    short, fewer, long = map(text.index, ("arm_gravity_vector_batch(", "Fewer", "arm_tau_batch("))
+    assert short < fewer < long

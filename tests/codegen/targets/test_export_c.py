@@ -2,62 +2,18 @@
 
 import ctypes
 import math
+import platform
 import re
-import shutil
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from exports import FUNCTIONS, STRICT, compilers, needs, run, states, two_link
-from filelock import FileLock
+from exports import EXPORTS, STRICT, compilers, errors, needs, run, states, two_link
 
 import moro
 import moro_codegen as mc
 
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
-
-
-SOME = ("tau", "forward_dynamics", "regressor", ("tau", "inertia_matrix"))
-#: every function of the small arm; some in float, and with batches; of the PUMA two
-ASKED = {
-    "double": ("two_link", FUNCTIONS, {}),
-    "float": ("two_link", SOME, {"dtype": "float32"}),
-    "batch": ("two_link", SOME, {"batch": True}),
-    "tau": ("two_link", ("tau",), {}),
-    "tauf": ("two_link", ("tau",), {"dtype": "float32"}),
-    "puma": ("puma560", ("tau", "forward_dynamics"), {}),
-    "pumaf": ("puma560", ("tau", "forward_dynamics"), {"dtype": "float32"}),
-}
-
-
-@pytest.fixture(scope="module")
-def exports(tmp_path_factory, worker_id):
-    """The exports by name, each made when it is first asked for, by one of pytest's workers."""
-    own = tmp_path_factory.getbasetemp()
-    folder = (own if worker_id == "master" else own.parent) / "exports"
-    folder.mkdir(exist_ok=True)
-
-    def made(name):
-        arm, functions, options = ASKED[name]
-        with FileLock(folder / f"{name}.lock"):
-            if not (folder / name).exists():
-                robot = two_link(payload=0.5, lost=None) if arm == "two_link" else moro.load(arm)
-                mc.export(robot, folder / name, ("c",), functions, **options)
-        return folder / name / "c"
-
-    return made
-
-
-@pytest.fixture
-def copy(exports, tmp_path):
-    """A copy of an export to work in."""
-    return lambda name: shutil.copytree(exports(name), tmp_path / name)
-
-
-def errors(printed):
-    """The errors that a self-test printed."""
-    assert "passed" in printed
-    return {name: float(x) for name, x in re.findall(r"^(\w+) +(\d\.\de[-+]\d+)", printed, re.M)}
 
 
 @needs("make")
@@ -69,7 +25,18 @@ def test_make_check(copy, compiler, name):
     found = errors(run("make", "check", f"CC={compiler}", f"CFLAGS={flags}", cwd=copy(name)))
     limit = 1e-4 if name in ("float", "pumaf") else 1e-12
     assert max(found.values()) < limit
-    assert len(found) == len(ASKED[name][1])
+    assert len(found) == len(EXPORTS[name][1])
+
+
+@needs("make", "cc", "qemu-x86_64")
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="names of x86 processors")
+def test_an_older_processor_says_what_it_lacks(copy):
+    """In an emulator: before anything is computed that it cannot."""
+    folder, flags = copy("batch"), "CFLAGS=-O3 -march=x86-64-v3"
+    newer, older = (f"RUN=qemu-x86_64 -cpu {name}" for name in ("Haswell", "Nehalem"))
+    assert errors(run("make", "check", flags, newer, cwd=folder))
+    printed = run("make", "check", flags, older, cwd=folder, fails=True)
+    assert "two_link: this processor lacks avx" in printed
 
 
 SINCOS = """
@@ -115,29 +82,31 @@ def test_what_is_wrong_fails_the_check(copy):
     assert "fast-math" in refused
 
 
-@needs("cc")
+@pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", ["float", "batch"])
-def test_sanitizers(copy, name):
+def test_sanitizers(copy, compiler, name):
     folder = copy(name)
     (folder / "empty.c").write_text("int main(void) { return 0; }\n")
     try:
-        run("cc", *SANITIZERS, "empty.c", "-o", "empty", cwd=folder)
+        run(compiler, *SANITIZERS, "empty.c", "-o", "empty", cwd=folder)
     except AssertionError:
         pytest.skip("this compiler has no sanitizers")
     sources = [path.name for path in folder.glob("two_link*.c")]
     flags = ("-std=c99", "-g", "-O1", *SANITIZERS)
-    run("cc", *flags, "selftest.c", *sources, "-lm", "-o", "selftest", cwd=folder)
+    run(compiler, *flags, "selftest.c", *sources, "-lm", "-o", "selftest", cwd=folder)
     assert errors(run("./selftest", cwd=folder))
 
 
-@needs("cc", "nm")
+@needs("nm")
+@pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", ["puma", "pumaf"])
-def test_freestanding(copy, name):
+def test_freestanding(copy, compiler, name):
     """For one sample nothing is needed but a few functions of <math.h>."""
     folder = copy(name)
     f = "f" * (name == "pumaf")
     source = f"puma560{f}.c"
-    run("cc", "-std=c99", "-ffreestanding", "-O2", *STRICT, "-c", source, "-o", "k.o", cwd=folder)
+    flags = ("-std=c99", "-ffreestanding", "-O2", *STRICT)
+    run(compiler, *flags, "-c", source, "-o", "k.o", cwd=folder)
     needed = set(re.findall(r"U (\w+)", run("nm", "-u", "k.o", cwd=folder)))
     libm = {f"{x}{f}" for x in ("sin", "cos", "atan2", "fabs", "sincos")}
     own = {"__cpu_model", "__cpu_indicator_init", "_GLOBAL_OFFSET_TABLE_"}  # the compiler's
@@ -152,7 +121,7 @@ def test_stack_and_computed_torque(copy):
     folder = copy("puma")
     printed = run("make", "-s", "stack", "CC=gcc", cwd=folder)
     sizes = dict(re.findall(r"^puma560_(\w+)\t(\d+) bytes", printed, re.M))
-    assert set(sizes) == {"tau", "forward_dynamics"}
+    assert set(sizes) == {"tau", "forward_dynamics", "fault"}
     assert 100 < int(sizes["tau"]) < int(sizes["forward_dynamics"]) < 10_000
     run("make", "computed_torque", cwd=folder)
     first, *_, last = re.findall(r"error (\S+),", run("./computed_torque", cwd=folder))

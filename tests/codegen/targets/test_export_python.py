@@ -1,13 +1,15 @@
 """The exports in Python, used where there is no moro: a module, and a package that pip builds."""
 
 import ast
+import shutil
 import sys
 
 import numpy as np
 import pytest
-from exports import FUNCTIONS, python, states, two_link
+from exports import FUNCTIONS, python, run, states, two_link
 
 import moro_codegen as mc
+from moro_codegen.backends import toolchain
 
 
 @pytest.fixture(scope="module")
@@ -90,6 +92,13 @@ def test_a_wheel(kernel, tmp_path):
 
 
 def test_a_package_where_it_is_written(tmp_path):
+    """And on a processor that lacks what it was built for: it says so, and does not crash."""
     (folder,) = mc.export(arm(), tmp_path, ("cython",), ("tau",), prefix="mine")
-    python("setup.py", "--quiet", "build_ext", "--inplace", cwd=folder, MORO_CFLAGS="-O1")
+    new = "avx2" in toolchain.find_compiler().features
+    flags = "-O1 -march=x86-64-v3" if new else "-O1"
+    python("setup.py", "--quiet", "build_ext", "--inplace", cwd=folder, MORO_CFLAGS=flags)
     check_states("tests/test_mine.py", folder, 1, 1e-12, PYTHONPATH=".")
+    if new and shutil.which("qemu-x86_64"):
+        older = ("qemu-x86_64", "-cpu", "Nehalem", sys.executable)
+        printed = run(*older, "-c", "import mine_kernel", cwd=folder, fails=True)
+        assert "ImportError: mine_kernel cannot be used here: this processor lacks avx" in printed
