@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from moro_codegen.backends.toolchain import ToolchainError
     from moro_codegen.exported import export
-    from moro_codegen.functions.base_regressor import Regressor
     from moro_codegen.functions.catalogue import KNOWN as FUNCTIONS
     from moro_codegen.functions.own import UserFunction as Function
+    from moro_codegen.functions.regressors import Regressor
     from moro_codegen.kernel.kernel import Kernel
     from moro_codegen.lambdified import lambdify
     from moro_codegen.pipeline import build, compile
@@ -52,7 +52,7 @@ _HOMES = {
     "Function": "moro_codegen.functions.own:UserFunction",
     "Kernel": "moro_codegen.kernel.kernel:Kernel",
     "Program": "moro_codegen.program:Program",
-    "Regressor": "moro_codegen.functions.base_regressor:Regressor",
+    "Regressor": "moro_codegen.functions.regressors:Regressor",
     "ToolchainError": "moro_codegen.backends.toolchain:ToolchainError",
     "Verification": "moro_codegen.proof.verification:Verification",
     "build": "moro_codegen.pipeline:build",

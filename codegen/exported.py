@@ -19,8 +19,8 @@ import moro
 from moro.model import Model, as_model
 from moro.robot import Robot
 from moro_codegen import targets as known
-from moro_codegen.functions.base_regressor import Regressor
 from moro_codegen.functions.own import UserFunction
+from moro_codegen.functions.regressors import Regressor
 from moro_codegen.functions.requested import Request
 from moro_codegen.pipeline import check_names, digest
 from moro_codegen.program import generate

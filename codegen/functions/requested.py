@@ -9,10 +9,10 @@ from typing import TypeAlias
 from moro.checks.meant import hint
 from moro.model import Model
 from moro_codegen.functions.at_frame import at_frame
-from moro_codegen.functions.base_regressor import Regressor
-from moro_codegen.functions.catalogue import FUNCTIONS, KNOWN, REGRESSOR
+from moro_codegen.functions.catalogue import FUNCTIONS, KNOWN
 from moro_codegen.functions.function import Function
 from moro_codegen.functions.own import UserFunction
+from moro_codegen.functions.regressors import KINDS, Regressor
 from moro_codegen.functions.together import together
 
 #: a name of KNOWN or one at a frame ("jacobian@camera"), the regressor with a choice, a function of
@@ -64,7 +64,13 @@ def named(name: str, model: Model) -> Function:
         raise ValueError(f"no function {name!r}; {hint(name, KNOWN)}there are {', '.join(KNOWN)}")
     if at:
         return at_frame(KNOWN[name], frame, model)
-    return Regressor().entry(model) if name == REGRESSOR.name else FUNCTIONS[name]
+    return FUNCTIONS[name] if name in FUNCTIONS else _regressor(name).entry(model)
+
+
+def _regressor(name: str) -> Regressor:
+    """Return the request for a regressor that the catalogue names."""
+    of = {kind.function.name: of for of, kind in KINDS.items()}
+    return Regressor(of=of[name]) if name in of else Regressor(standard=True)
 
 
 def _requested(item: Request, model: Model) -> Function:

@@ -17,6 +17,7 @@ from moro_codegen import backends
 from moro_codegen.backends import Backend, Folder, Opened
 from moro_codegen.kernel import native
 from moro_codegen.kernel.parcel import Parcel
+from moro_codegen.kernel.rollout import rollout
 from moro_codegen.kernel.store import MANIFEST, DamagedError, checked_file, read_manifest, settled
 from moro_codegen.signature import Signature
 
@@ -104,6 +105,39 @@ class Kernel:
             what = f"{path.name} is of another kernel than {MANIFEST} describes"
             raise DamagedError(self.directory, what)
         return opened
+
+    def rollout(
+        self,
+        q: Any,
+        qd: Any,
+        tau: Any,
+        dt: Any,
+        *,
+        steps: int | None = None,
+        step: str = "step_semi_implicit",
+        parameters: Any = None,
+        threads: int = 1,
+    ) -> tuple[Any, Any]:
+        """Return the trajectory (q, qd) from a state under torques, each (..., steps + 1, n).
+
+            q, qd = kernel.rollout(q0, qd0, tau, 1e-3)          # tau is (..., steps, n)
+            q, qd = kernel.rollout(q0, qd0, controller, 1e-3, steps=1000)
+
+        Many trajectories go side by side: axes in front of those of one are broadcast. tau has a
+        row for each step, or is a function of (number of the step, q, qd) that returns torques.
+        ``step`` is the kernel's function that is used, "step_semi_implicit" or "step_rk4";
+        ``parameters`` and ``threads`` are those of its calls.
+
+        Raises ValueError for a kernel without that function, and for shapes that do not fit.
+        """
+        if step not in self.signatures:
+            raise ValueError(
+                f"this kernel has no {step!r}: compile(robot, functions=({step!r},)) makes it"
+            )
+        options = {} if parameters is None else {"parameters": parameters}
+        options |= {} if threads == 1 else {"threads": threads}
+        dtype = self.signatures[step].dtype
+        return rollout(getattr(self, step), q, qd, tau, dt, steps, dtype, **options)
 
     @cached_property
     def jax(self) -> InJAX:

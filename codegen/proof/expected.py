@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from moro.checks.constants import for_numpy
 from moro.closed_form import ClosedForm
+from moro.identification.base_parameters import base_parameters_of
 from moro.model import Drive, Frame, Model, Placement
 from moro.scalars.dual import DualRing
 from moro.spatial.vectors import Scalar, Vector, add, scaled, times
 from moro_codegen.functions.arguments import Argument
 from moro_codegen.functions.catalogue import KNOWN
+from moro_codegen.functions.regressors import standard_parameters, standard_values
 from moro_codegen.proof.symbolic_route import STATES_LIMIT, Array, SymbolicRoute, spread
 
 #: step of complex-step derivatives: Im f(x + ih) / h has no cancellation, so h may be tiny
@@ -284,6 +286,17 @@ class ExpectedDynamics:
         least = np.linalg.eigvalsh(self.M / felt / felt[:, np.newaxis])[:, 0]
         regular: NDArray[np.bool_] = least > SINGULAR * self.model.nv * self.rounding
         return regular
+
+    def inertial_parameters(self, count: int) -> Array:
+        """Return the base parameters of the model, or its standard ones, whichever are so many."""
+        standard = standard_parameters(self.model)
+        known = standard_values(self.model) if len(standard) == count else {}
+        values = [known[x] for x in standard] if known else []
+        for zeros in (None, False, True):
+            if not values and len(base := base_parameters_of(self.model, zeros)) == count:
+                values = list(base.values)
+        found: Array = evaluated(values, self.parameters, 1)[0]
+        return found
 
     def lost(self, values: Array) -> Array:
         """Return what errors of values that M was inverted for are relative to, (states).

@@ -18,7 +18,7 @@ from moro_codegen.functions.arguments import Argument
 from moro_codegen.functions.own import UserFunction
 from moro_codegen.program import Program
 from moro_codegen.proof.expected import CHOSEN, ExpectedDynamics, own_name, scales
-from moro_codegen.proof.results import EXPECTED
+from moro_codegen.proof.results import EXPECTED, REGRESSED
 from moro_codegen.proof.symbolic_route import Array, SymbolicRoute, spread
 from moro_codegen.proof.verification import (
     TOLERANCES,
@@ -180,8 +180,9 @@ class _Work:
             known = EXPECTED[part.name]
             results = known.results(x, *frame_of(part, x.model))
             return _compared(arguments, results, x.lost if known.inverting else scales)
-        if part.name == "regressor":
-            return [GoldenResult(arguments[0], x.tau, scales(x.tau), first + 1), None]
+        if part.name in REGRESSED and len(arguments) == 2:
+            (product,) = EXPECTED[REGRESSED[part.name]].results(x)
+            return [GoldenResult(arguments[0], product, scales(product), first + 1), None]
         if part.name in self.own:
             expected = by_expression(self.own[part.name], x, self.parameters)
             if all(np.isfinite(values).all() for values in expected):

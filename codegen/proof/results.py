@@ -175,3 +175,11 @@ EXPECTED: dict[str, Expected] = {
     "step_rk4": Expected(_runge_kutta, "moving", inverting=True),
     "step_semi_implicit": Expected(_semi_implicit, inverting=True),
 }
+
+#: of regressors with their parameters: what Y p is
+REGRESSED = {
+    "regressor": "tau",
+    "standard_regressor": "tau",
+    "passivity_regressor": "tau_passivity",
+    "momentum_regressor": "momentum",
+}

@@ -18,8 +18,8 @@ from moro_codegen.functions.catalogue import KNOWN
 from moro_codegen.functions.own import Formula, Scope, UserFunction
 from moro_codegen.kernel.kernel import Kernel
 from moro_codegen.progress import shown, tell
-from moro_codegen.proof.expected import ExpectedDynamics, evaluated, scales
-from moro_codegen.proof.results import EXPECTED
+from moro_codegen.proof.expected import ExpectedDynamics, applied, evaluated, scales
+from moro_codegen.proof.results import EXPECTED, REGRESSED
 from moro_codegen.proof.symbolic_route import STATES_LIMIT, Array, SymbolicRoute, spread
 from moro_codegen.signature import Part
 
@@ -88,6 +88,13 @@ def _acceleration_derivatives(
     yield _product(x.M[ok], by_tau[ok], np.broadcast_to(np.eye(x.model.nv), x.M[ok].shape))
 
 
+def _regressed(of: str, x: ExpectedDynamics, Y: Array, p: Array | None = None) -> Pairs:
+    """Put Y p beside what it is the regressor of; p is that of the model if it is no result."""
+    (expected,) = EXPECTED[of].results(x)
+    p = x.inertial_parameters(Y.shape[-1]) if p is None else p
+    yield Pair(applied(Y, np.broadcast_to(p, (len(Y), Y.shape[-1]))), expected)
+
+
 def _product(M: Array, factor: Array, expected: Array) -> Pair:
     """Return M factor, whose rounding is measured by |M| |factor|.
 
@@ -105,7 +112,7 @@ CHECKS: dict[str, Callable[..., Pairs]] = {
     **{name: partial(_by_route, name) for name in EXPECTED},
     "forward_dynamics": _accelerations,
     "forward_dynamics_derivatives": _acceleration_derivatives,
-    "regressor": lambda x, Y, p: [Pair(np.einsum("sij,sj->si", Y, p), x.tau)],
+    **{name: partial(_regressed, of) for name, of in REGRESSED.items()},
 }
 #: those that M must be inverted for
 INVERTING = frozenset(name for name, expected in EXPECTED.items() if expected.inverting)

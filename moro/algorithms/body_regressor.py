@@ -9,14 +9,15 @@ are asked of the scalars.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from moro.algorithms.coordinates import generalized
 from moro.algorithms.newton_euler import forward_motion
 from moro.algorithms.posture import Posture
-from moro.spatial.motion import REST, Motion, Velocity
+from moro.algorithms.reference_motion import reference_motions
+from moro.spatial.motion import REST, Motion, ReferenceMotion, Velocity
 from moro.spatial.transform import velocity_in_link
-from moro.spatial.vectors import Scalar, Vector, add, cross, dot, times, transpose
+from moro.spatial.vectors import Matrix, Scalar, Vector, add, cross, dot, times, transpose
 
 #: the parameters of a body, in order: inertia about the origin of the joint's frame, first moment,
 #: mass
@@ -28,11 +29,27 @@ def body_regressor(arm: Posture, qd: Sequence[Scalar], qdd: Sequence[Scalar]) ->
 
     p holds the ``PARAMETERS`` of body after body, in the frame of its joint.
     """
+    return _rows(arm, [(x, inertia_moments(x)) for x in forward_motion(arm, qd, qdd)])
+
+
+def reference_regressor(
+    arm: Posture, qd: Sequence[Scalar], qd_r: Sequence[Scalar], qdd_r: Sequence[Scalar]
+) -> list[list[Scalar]]:
+    """Return the rows of Y(q, qd, qd_r, qdd_r) (n x 10 n), M qdd_r + C qd_r + G = Y p.
+
+    C is that of the Christoffel symbols (``moro.algorithms.reference_motion``).
+    """
+    motions = reference_motions(arm, qd, qd_r, qdd_r)
+    return _rows(arm, [(x, reference_moments(x)) for x in motions])
+
+
+def _rows(
+    arm: Posture, motions: Iterable[tuple[Motion | ReferenceMotion, tuple[Vector, ...]]]
+) -> list[list[Scalar]]:
+    """Return the rows of Y for motions, with the moments per unit of the tensors."""
     size = len(PARAMETERS)
     Y: list[list[Scalar]] = [[0] * (size * len(arm.links)) for _ in arm.links]
-    moving = zip(forward_motion(arm, qd, qdd), joint_columns(arm), strict=True)
-    for i, (motion, columns) in enumerate(moving):
-        moments = inertia_moments(motion)
+    for i, ((motion, moments), columns) in enumerate(zip(motions, joint_columns(arm), strict=True)):
         for j, (zeta, lamda) in columns.items():
             of_inertia = [dot(zeta, n) for n in moments]
             # lambda . U h + zeta . (h x a)
@@ -56,13 +73,28 @@ def joint_columns(arm: Posture) -> list[dict[int, Velocity]]:
 def inertia_moments(motion: Motion) -> tuple[Vector, ...]:
     """Return the moment J alpha + omega x J omega per unit of XX, XY, XZ, YY, YZ and ZZ."""
     x, y, z = motion.omega
-    ax, ay, az = motion.alpha
-    (Uxx, Uxy, Uxz), (Uyx, Uyy, Uyz), (Uzx, Uzy, Uzz) = motion.U
+    return _moments(motion.U, motion.alpha, (x * y, x * z, y * z))
+
+
+def reference_moments(motion: ReferenceMotion) -> tuple[Vector, ...]:
+    """Return axial(U S) per unit of XX, XY, XZ, YY, YZ and ZZ, with S = tr(J)/2 1 - J."""
+    (_, Uxy, Uxz), (Uyx, _, Uyz), (Uzx, Uzy, _) = motion.U
+    axial = (Uzy - Uyz) / 2, (Uxz - Uzx) / 2, (Uyx - Uxy) / 2
+    return _moments(motion.U, axial, ((Uyx + Uxy) / 2, (Uxz + Uzx) / 2, (Uzy + Uyz) / 2))
+
+
+def _moments(U: Matrix, axial: Vector, products: Vector) -> tuple[Vector, ...]:
+    """Return them for a U whose antisymmetric part is that of ``axial``.
+
+    ``products`` are its symmetric part, xy, xz and yz.
+    """
+    (ax, ay, az), (xy, xz, yz) = axial, products
+    (Uxx, Uxy, Uxz), (Uyx, Uyy, Uyz), (Uzx, Uzy, Uzz) = U
     return (
-        (ax, x * z, -(x * y)),
+        (ax, xz, -xy),
         (-Uzx, Uzy, Uxx - Uyy),
         (Uyx, Uzz - Uxx, -Uyz),
-        (-(y * z), ay, x * y),
+        (-yz, ay, xy),
         (Uyy - Uzz, -Uxy, Uxz),
-        (y * z, -(x * z), az),
+        (yz, -xz, az),
     )

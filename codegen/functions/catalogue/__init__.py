@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from moro_codegen.functions.arguments import QD, QDD, Argument, Q
+from dataclasses import replace
+
+from moro_codegen.functions.arguments import QD, QD_R, QDD, QDD_R, Argument, Q
 from moro_codegen.functions.catalogue import (
     derivatives,
     energies,
@@ -43,18 +45,48 @@ def _of_no_robot(*_: object) -> Outputs:
     raise ValueError("the regressor is that of a robot: compile(robot, functions=('regressor',))")
 
 
-#: what is known of it without a robot (``base_regressor``); b is the number of base parameters
-REGRESSOR = Function(
+def _regressor(name: str, inputs: tuple[Argument, ...], summary: str, of: str) -> Function:
+    """Return what is known of a regressor without a robot (``regressors``); b parameters."""
+    return Function(
+        name,
+        inputs,
+        (
+            Argument("Y", ("n", "b"), "SI", f"{of} per unit of each base parameter"),
+            Argument("p", ("b",), "SI", "base parameters, with the values of the model"),
+        ),
+        summary,
+        _of_no_robot,
+        "body regressors (Atkeson, An & Hollerbach), columns of base parameters",
+    )
+
+
+TORQUES = "torques (forces)"
+REGRESSOR = _regressor(
     "regressor",
     (Q, QD, QDD),
-    (
-        Argument("Y", ("n", "b"), "SI", "torques (forces) per unit of each base parameter"),
-        Argument("p", ("b",), "SI", "base parameters, with the values of the model"),
-    ),
     "Regressor: tau = Y(q, qd, qdd) p, friction and rotor inertia included.",
-    _of_no_robot,
-    "body regressors (Atkeson, An & Hollerbach), columns of base parameters",
+    TORQUES,
 )
+PASSIVITY_REGRESSOR = _regressor(
+    "passivity_regressor",
+    (Q, QD, QD_R, QDD_R),
+    "Regressor of tau_passivity, for adaptive control: Y(q, qd, qd_r, qdd_r) p.",
+    TORQUES,
+)
+MOMENTUM_REGRESSOR = _regressor(
+    "momentum_regressor",
+    (Q, QD),
+    "Regressor of the momentum: M(q) qd = Y(q, qd) p, with zeros for friction and springs.",
+    "momenta",
+)
+STANDARD_REGRESSOR = replace(
+    REGRESSOR,
+    name="standard_regressor",
+    summary="Regressor in the standard parameters, ten a link and those of the drives, zero or "
+    "not: tau = Y(q, qd, qdd) p.",
+    algorithm="body regressors (Atkeson, An & Hollerbach)",
+)
+REGRESSORS = (REGRESSOR, PASSIVITY_REGRESSOR, MOMENTUM_REGRESSOR, STANDARD_REGRESSOR)
 
 #: the functions that have a name
-KNOWN = {**FUNCTIONS, REGRESSOR.name: REGRESSOR}
+KNOWN = {**FUNCTIONS, **{function.name: function for function in REGRESSORS}}

@@ -7,9 +7,13 @@ import numpy as np
 import pytest
 from arms import NAMES, numeric, reference_model, sincos
 from dynamics import assert_close, exact_case, reference_case
+from exact import rational
 from recursion import inverse_dynamics, parameters, regressor
 
-from moro.algorithms.body_regressor import PARAMETERS
+from moro.algorithms.body_regressor import PARAMETERS, reference_regressor
+from moro.algorithms.posture import posture
+from moro.algorithms.reference_motion import reference_torques
+from moro.identification.standard_parameters import parameters as of_moments
 from moro.model import Body
 
 
@@ -59,3 +63,17 @@ def test_rank_is_that_of_the_base_parameters():
     stacked = np.array([[np.broadcast_to(y, 40) for y in row] for row in Y])
     stacked = stacked.transpose(2, 0, 1).reshape(-1, 60)
     assert np.linalg.matrix_rank(stacked, tol=1e-8) == 36
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_reference_velocities(seed):
+    """Exactly the torques for a reference velocity other than the velocity."""
+    case, rng = exact_case(seed), np.random.default_rng(seed)
+    arm = posture(case.model, case.q, case.sincos)
+    qd_r, qdd_r = ([rational(rng) for _ in range(case.n)] for _ in range(2))
+    p = [x for body in case.model.bodies for x in of_moments(body.moments).values()]
+    found = [
+        sum(y * x for y, x in zip(row, p, strict=True))
+        for row in reference_regressor(arm, case.qd, qd_r, qdd_r)
+    ]
+    assert found == list(reference_torques(arm, case.qd, qd_r, qdd_r))

@@ -11,8 +11,9 @@ from programs import evaluate
 from robots import random_robot
 
 import moro as mr
+import moro_codegen as mc
 from moro.abc import t
-from moro_codegen.functions.base_regressor import regressor
+from moro_codegen.functions.regressors import regressor
 from moro_codegen.functions.system import System
 from moro_codegen.graph.from_sympy import Converter
 from moro_codegen.graph.nodes import Graph
@@ -85,3 +86,62 @@ def test_parameters_at_run_time(tmp_path):
     q, qd, qdd = states(2, 1)[:, 0]
     Y, p = kernel.regressor(q, qd, qdd, parameters={"load": 3.5})
     np.testing.assert_allclose(Y @ p, kernel.tau(q, qd, qdd, parameters={"load": 3.5}), rtol=1e-13)
+
+
+REQUESTS = (
+    *(name for name in mc.FUNCTIONS if name.endswith("regressor")),
+    mc.Regressor(of="tau_passivity", standard=True),
+    mc.Regressor(of="momentum", standard=True, values=False),
+)
+
+
+@pytest.mark.parametrize("name", ["two_link", "palletizer"])
+def test_every_kind_is_verified(name, tmp_path):
+    robot = mr.load(name)
+    kernel = mc.compile(robot, REQUESTS, tmp_path, "numpy")
+    verification = mc.verify(kernel, robot)
+    assert verification.passed, verification.max_errors
+    assert len(verification.errors) == len(REQUESTS)
+    standard = 10 * len(robot.model().bodies) + 4 * robot.dof  # a rotor, three of friction
+    assert kernel.standard_regressor(*states(robot.dof)[:, 0])[0].shape == (robot.dof, standard)
+    heavier = mr.load(name).model()
+    heavier = replace(heavier, bodies=tuple(b + b for b in heavier.bodies))
+    wrong = mc.verify(kernel, heavier).max_errors
+    assert min(wrong.values()) > 1e-3
+
+
+@pytest.mark.parametrize("options", [{}, {"zeros": True}, {"standard": True}])
+def test_without_values(options, tmp_path):
+    """Y alone: p is the robot's, the same for all samples."""
+    robot = mr.load("stanford_arm")
+    names = mc.Regressor(**options, values=False), ("tau", mc.Regressor(**options))
+    kernel = mc.compile(robot, names, tmp_path, "numpy")
+    state = states(6)
+    name = "standard_regressor" if "standard" in options else "regressor"
+    Y, (tau, same, p) = getattr(kernel, name)(*state), getattr(kernel, f"tau_{name}")(*state)
+    np.testing.assert_allclose(Y, same, atol=1e-12)
+    np.testing.assert_allclose(Y @ p[0], tau, rtol=1e-12, atol=1e-12)
+    assert mc.verify(kernel, robot).passed
+
+
+def test_parameters_that_vary_keep_their_columns(tmp_path):
+    """A payload that is nothing by default; a standard parameter that is zero."""
+    robot = mr.load("two_link")
+    payload = sp.Symbol("payload")
+    robot.masses = [1, payload]
+    robot.parameters = {payload: 0}
+    kernel = mc.compile(robot, ("regressor", "standard_regressor", "tau"), tmp_path, "numpy")
+    state = states(2)
+    for mass in (0.0, 2.5):
+        tau = kernel.tau(*state, {"payload": mass})
+        for Y, p in (
+            f(*state, {"payload": mass}) for f in (kernel.regressor, kernel.standard_regressor)
+        ):
+            np.testing.assert_allclose(np.einsum("sib,sb->si", Y, p), tau, atol=1e-12)
+
+
+def test_what_is_wrong_is_said():
+    with pytest.raises(ValueError, match="of tau, tau_passivity, momentum, not of 'bias'"):
+        mc.Regressor(of="bias")
+    with pytest.raises(ValueError, match="has all of them: leave zeros"):
+        mc.Regressor(zeros=True, standard=True)
