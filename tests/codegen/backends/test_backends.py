@@ -99,14 +99,19 @@ def test_what_it_writes_computes_what_numpy_does(toy, tmp_path):
         theirs.everything([1, 2], [1, 2, 3], [2, 3])
 
 
-def test_every_function_is_verified(toy, tmp_path):
+FUNCTIONS = (
+    "tau", "jacobian", "inertia_matrix", "forward_dynamics", "tau_derivatives", "regressor",
+)  # fmt: skip
+
+
+def test_functions_are_verified(toy, tmp_path):
     robot = mr.load("puma560")
-    kernel = mc.compile(robot, functions=tuple(mc.FUNCTIONS), directory=tmp_path, backend="toy")
+    kernel = mc.compile(robot, functions=FUNCTIONS, directory=tmp_path, backend="toy")
     assert kernel.backend == "toy"
     assert kernel.library is None
     assert kernel.source.suffix == ".lines"
     assert mc.verify(kernel, robot).passed
-    again = mc.compile(robot, functions=tuple(mc.FUNCTIONS), directory=tmp_path, backend="toy")
+    again = mc.compile(robot, functions=FUNCTIONS, directory=tmp_path, backend="toy")
     assert again.reused
 
 

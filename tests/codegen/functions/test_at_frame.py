@@ -145,7 +145,7 @@ def test_two_wrenches_in_one_call_are_two_arguments():
         (("jacobian@camra",), r"called 'camra'; there are camera, wall, .*, 0 to .*\"camera\""),
         (("jacobian@",), "no frame is called ''"),
         (("jacobian@77",), "no frame is called '77'"),
-        (("tau@camera",), "tau is of no frame; tau_with_wrench, forward_kinematics, jacobian are"),
+        (("tau@camera",), "tau is of no frame; tau_with_wrench, forward_kinematics, jacobian, "),
         (("regressor@camera",), "regressor is of no frame"),
         (("jacobin@camera",), "no function 'jacobin'; did you mean 'jacobian'"),
         (("jacobian@a-b", "jacobian@a_b"), "called jacobian_a_b: jacobian@a-b and jacobian@a_b"),

@@ -13,7 +13,6 @@ from recursion import inverse_dynamics, parameters, regressor
 from moro.algorithms.body_regressor import PARAMETERS, reference_regressor
 from moro.algorithms.posture import posture
 from moro.algorithms.reference_motion import reference_torques
-from moro.identification.standard_parameters import parameters as of_moments
 from moro.model import Body
 
 
@@ -71,7 +70,7 @@ def test_reference_velocities(seed):
     case, rng = exact_case(seed), np.random.default_rng(seed)
     arm = posture(case.model, case.q, case.sincos)
     qd_r, qdd_r = ([rational(rng) for _ in range(case.n)] for _ in range(2))
-    p = [x for body in case.model.bodies for x in of_moments(body.moments).values()]
+    p = parameters(case.model)
     found = [
         sum(y * x for y, x in zip(row, p, strict=True))
         for row in reference_regressor(arm, case.qd, qd_r, qdd_r)
