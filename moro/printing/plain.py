@@ -18,7 +18,7 @@ def plain(expr: Any) -> str:
     symbols = sp.sympify(expr).free_symbols
     digits = [len(x) for s in symbols for x in re.findall(r"\d+", s.name)]
     if max(digits, default=0) < 2:
-        return str(expr)
+        return str(sp.sstr(expr, full_prec=False))
     padded = {s: sp.Symbol(_padded(s.name, max(digits))) for s in symbols}
     printer = _Printer({p: s.name for s, p in padded.items()})
     return str(printer.doprint(sp.sympify(expr).xreplace(padded)))
@@ -63,7 +63,7 @@ class _Printer(StrPrinter):  # type: ignore[misc]
     """Prints symbols under other names than those by which they are sorted."""
 
     def __init__(self, names: dict[Any, str]):
-        super().__init__()
+        super().__init__({"full_prec": False})
         self._names = names
 
     def _print_Symbol(self, expr: Any) -> str:

@@ -223,6 +223,12 @@ def test_floats_print_as_floats_and_expand_exactly():
     assert M.expand() == robot.inertia_matrix()
 
 
+def test_numbers_have_no_zeros_behind():
+    robot = mr.load("two_link").with_parameters({})
+    robot.masses = [0.2, 0.4]
+    assert str(robot.inertia_matrix(collect=True)).splitlines()[-1] == "M[2, 2] = 0.1"
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_random_numeric_arms_collect_to_themselves(seed):
     rng = random.Random(seed)
