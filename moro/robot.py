@@ -155,6 +155,7 @@ class Robot(Mechanics):
     inertia_tensors = _Given[list[sp.Matrix] | None](Description.inertia_tensors)
     gravity = _Given[sp.Matrix | None](Description.gravity)
     rotor_inertias = _Given[list[Any] | None](Description.rotor_inertias)
+    rotors = _Given[list[tuple[Any, Any] | None] | None](Description.rotors)
     viscous_friction = _Given[list[Any] | None](Description.viscous_friction)
     coulomb_friction = _Given[list[tuple[Any, Any]] | None](Description.coulomb_friction)
     parameters = _Given[dict[Any, Any]](Description.parameters, used=False)

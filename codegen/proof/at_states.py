@@ -26,6 +26,7 @@ import numpy.typing as npt
 from moro.closed_form import ClosedForm
 from moro.model import Frame, Model, Placement
 from moro.scalars.dual import Dual, DualRing
+from moro.spatial.motion import REST
 from moro.spatial.vectors import Vector, add, cross, difference_of, dot, product, times, transpose
 
 Array: TypeAlias = npt.NDArray[Any]
@@ -73,8 +74,11 @@ class _Joints:
 
     @classmethod
     def of(cls, form: ClosedForm) -> _Joints:
-        rates = [joint.type.displacement(1) for joint in form.model.joints]
-        turns, slides = (np.array(x, float)[:, np.newaxis] for x in zip(*rates, strict=True))
+        rates = [joint.type.moved(REST, 1) for joint in form.model.joints]
+        turns, slides = (
+            np.array([x[2] for x in both], float)[:, np.newaxis]
+            for both in zip(*rates, strict=True)
+        )
         z, anchors = map(_over_joints, (form.geometry.axes, form.geometry.anchors))
         return cls((z[0] * turns, z[1] * turns, z[2] * turns),
                    (z[0] * slides, z[1] * slides, z[2] * slides), anchors)  # fmt: skip

@@ -25,7 +25,7 @@ class PosedLink(Transform):
     type: JointType
     #: index of the parent link, -1 for the base
     parent: int
-    #: x of the joint: the angle of sin and cos, or how far p has moved along z
+    #: x of the joint: the angle of sin and cos, or how far p has moved along z; 0 where it spins
     position: Scalar
     body: Moments
     #: how much each coordinate moves the joint
@@ -64,10 +64,11 @@ def posture(
     ways = displacements(model, q)
     for joint, body, x, pair in zip(model.joints, model.bodies, ways, sincos, strict=True):
         frame = joint.type.transform(joint.placement.R, joint.placement.p, x, pair or (0, 1))
+        position = 0 if joint.type.spins else x
         links.append(
             PosedLink(
                 frame.R, frame.p, frame.sin, frame.cos,
-                joint.type, joint.parent, x, body.moments, joint.terms,
+                joint.type, joint.parent, position, body.moments, joint.terms,
             )
         )  # fmt: skip
     return Posture(tuple(links), model.gravity, model.nv)

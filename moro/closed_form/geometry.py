@@ -451,7 +451,8 @@ def _fractions(model: Model) -> list[int]:
     for joint in model.joints:
         for j, ratio in joint.terms:
             ratio = sp.sympify(ratio)
-            n = int(ratio.q) if joint.type.is_angle and ratio.is_Rational else 1
+            turns, _ = joint.type.displacement(ratio)
+            n = int(ratio.q) if turns != 0 and ratio.is_Rational else 1
             together = math.lcm(found[j], n)
             found[j] = together if together <= _FINEST else found[j]
     return found

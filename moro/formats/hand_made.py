@@ -194,6 +194,7 @@ def _exact(model: Model, values: Mapping[Any, Any] | None = None) -> tuple[Model
             for x in model.frames
         ),
     )
+    _check_rotors(exact)
     return exact, read.with_floats
 
 
@@ -210,6 +211,10 @@ def _check_tree(model: Model) -> None:
             expected = "-1, the base" if i == 1 else f"-1..{i - 2}"
             raise ValueError(
                 f"parent of joint {i} must be {expected}, counted from 0, not {joint.parent}"
+            )
+        if joint.parent >= 0 and model.joints[joint.parent].type.spins:
+            raise ValueError(
+                f"parent of joint {i} must carry its frame, and joint {joint.parent + 1} is a rotor"
             )
     _check_coordinates(model)
     owner: dict[Any, int] = {}
@@ -228,6 +233,21 @@ def _check_tree(model: Model) -> None:
         names.add(frame.name)
         if frame.link not in range(-1, n):
             raise ValueError(f"link of frame {frame.name} must be -1..{n - 1}, not {frame.link}")
+
+
+def _check_rotors(model: Model) -> None:
+    """Raise ValueError for a body that spins about an axis about which it is not symmetric."""
+    for i, (joint, body) in enumerate(zip(model.joints, model.bodies, strict=True), 1):
+        if not joint.type.spins:
+            continue
+        (x, y, _), J = body.first_moment, body.inertia
+        off = {"first moment": (x, y), "inertia": (J[0][1], J[0][2], J[1][2], J[0][0] - J[1][1])}
+        for what, values in off.items():
+            if any(sp.expand(value) != 0 for value in values):
+                raise ValueError(
+                    f"body {i}{f' ({joint.name})' if joint.name else ''} must be symmetric about "
+                    f"the z axis of its joint, about which it spins as a rotor; its {what} is not"
+                )
 
 
 def _check_coordinates(model: Model) -> None:

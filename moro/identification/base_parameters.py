@@ -262,7 +262,12 @@ def base_forms(model: Model, ring: TrigRing, rates: Sequence[Any]) -> dict[Stand
     geometry and gravity matter, and whether there are rotors: all bodies count as general.
     """
     forms: dict[Standard, Form] = {}
-    every = [Standard(i, name) for i in range(len(model.bodies)) for name in BODY]
+    every = [
+        Standard(i, name)
+        for i, joint in enumerate(model.joints)
+        for name in BODY
+        if name not in joint.type.absent
+    ]
     if "rotor_inertias" not in model.not_set:
         every += [Standard(j, "IA") for j in range(model.nv)]
     forms |= {x: {x: ring.one} for x in every}

@@ -53,6 +53,20 @@ class Dynamics(Derivation):
             "L", lambda: self._total_kinetic_energy() - self._total_potential_energy()
         )
 
+    def dissipation(self) -> Any:
+        """Rayleigh's function D = sum of 1/2 viscous qd^2 [W]: viscous torques are dD/dqd.
+
+        With it d/dt dL/dqd + dD/dqd - dL/dq = tau, but for Coulomb friction.
+        """
+        self._warn_if_static("dissipation")
+
+        def total() -> Trig:
+            viscous = (self._ring.convert(x.drive.viscous) for x in self._model.coordinates)
+            pairs = zip(viscous, self._rates(), strict=True)
+            return sum((b * rate * rate for b, rate in pairs), self._ring.zero) * self._ring.half
+
+        return self._scalar("D", total)
+
     # -- equations of motion ----------------------------------------------------------------------
 
     def inertia_matrix(self, collect: bool = False) -> Any:

@@ -58,7 +58,8 @@ class Kinematics(Derivation):
 
         On a tree, in the frame of the link that joint i hangs on.
         """
-        return [self.T_ij(i, joint.parent + 1) for i, joint in enumerate(self._model.joints, 1)]
+        joints = enumerate(self._model.joints, 1)
+        return [self.T_ij(i, x.parent + 1) for i, x in joints if not x.type.spins]
 
     @property
     def T(self) -> sp.Matrix:

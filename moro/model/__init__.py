@@ -5,7 +5,16 @@ placement     constant poses, as the elementary motions that they are given by
 model         joints, bodies, coordinates and their drives, frames
 """
 
-from moro.model.joint_types import JOINT_TYPES, PRISMATIC, REVOLUTE, JointType, Prismatic, Revolute
+from moro.model.joint_types import (
+    JOINT_TYPES,
+    PRISMATIC,
+    REVOLUTE,
+    ROTOR,
+    JointType,
+    Prismatic,
+    Revolute,
+    Rotor,
+)
 from moro.model.model import (
     Body,
     Central,
@@ -23,6 +32,7 @@ __all__ = [
     "JOINT_TYPES",
     "PRISMATIC",
     "REVOLUTE",
+    "ROTOR",
     "Body",
     "Central",
     "Coordinate",
@@ -36,6 +46,7 @@ __all__ = [
     "Prismatic",
     "Revolute",
     "Rotation",
+    "Rotor",
     "Shift",
     "Turn",
     "as_model",

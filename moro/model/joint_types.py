@@ -42,9 +42,12 @@ class JointType(ABC):
     #: inertial parameters of the link that do not change when the joint moves, as if they were
     #: fixed to the parent; of a link that turns they belong to a rod on the axis
     carried: ClassVar[tuple[str, ...]]
-
+    #: those that are zero for every link that it may move
+    absent: ClassVar[tuple[str, ...]] = ()
     #: whether the points of the axis stay where they are
     fixes_axis: ClassVar[bool] = False
+    #: whether the link's frame stays where it is, and carries nothing
+    spins: ClassVar[bool] = False
 
     @property
     def is_angle(self) -> bool:
@@ -132,7 +135,7 @@ class Revolute(JointType):
     letter = "r"
     unit = "rad"
     effort = "N m"
-    carried = ("YY", "MZ", "M")
+    carried: ClassVar[tuple[str, ...]] = ("YY", "MZ", "M")
     fixes_axis = True
 
     @property
@@ -335,13 +338,37 @@ class Prismatic(JointType):
         return wy * fx - wx * fy
 
 
+@dataclass(frozen=True)
+class Rotor(Revolute):
+    """Spins a body about z, its axis of symmetry, by x [rad]: the rotor of a motor, a flywheel.
+
+    Nothing shows the angle of such a body, so its frame does not turn with it: positions do not
+    depend on x, and a rotor behind a gear, x = 100 q, needs no sine. Its angular velocity is that
+    of what carries it and dx/dt about z: so it couples with the joints before.
+    """
+
+    name = "rotor"
+    letter = "m"
+    carried = ("XX", "YY", "MZ", "M")
+    absent = ("XY", "XZ", "YZ", "MX", "MY")
+    spins = True
+
+    def displacement(self, x: Scalar) -> tuple[Scalar, Scalar]:
+        """Return (0, 0)."""
+        return 0, 0
+
+    def transform(self, R: Matrix, p: Vector, x: Scalar, sincos: Pair) -> Transform:
+        """Return R, p."""
+        return Transform(R, p, 0, 1)
+
+
 def _swing(velocity: Velocity) -> tuple[Vector, Vector]:
     """Return zeta = omega x z and lambda = v x z: how a joint's axis changes as its link moves."""
     (wx, wy, _), (vx, vy, _) = velocity
     return (wy, -wx, 0), (vy, -vx, 0)
 
 
-REVOLUTE, PRISMATIC = Revolute(), Prismatic()
+REVOLUTE, PRISMATIC, ROTOR = Revolute(), Prismatic(), Rotor()
 
 #: by name
-JOINT_TYPES: dict[str, JointType] = {kind.name: kind for kind in (REVOLUTE, PRISMATIC)}
+JOINT_TYPES: dict[str, JointType] = {kind.name: kind for kind in (REVOLUTE, PRISMATIC, ROTOR)}

@@ -33,6 +33,7 @@ def _rows(writer: Writer, arm: Description) -> Iterator[Block]:
     )
     names: Sequence[str] = ("i", f"a_{{{before}}}", rf"\alpha_{{{before}}}", "d_i", r"\theta_i")
     yield from _table(writer, names, arm.dh_parameters)
+    yield from _rotors(writer)
     yield paragraph(
         "Frame $i$ expressed in frame $i-1$, by turns $R$ and shifts $T$ about and along axes"
         + (r", with $a_{i-1}$ and $\alpha_{i-1}$ of the row before:" if proximal else ":")
@@ -60,7 +61,7 @@ def _joints(writer: Writer) -> Iterator[Block]:
 def _table(writer: Writer, names: Sequence[str], rows: Sequence[Any]) -> Iterator[Block]:
     """Yield what is given of each joint, its type, and the limits if there are any."""
     write, model = writer.write, writer.model
-    numbered = zip(writer.links, rows, model.joints, strict=True)
+    numbered = zip(writer.links, rows, model.joints, strict=False)  # rows have no rotors
     lines = [[write(i), *map(write, row), [text(joint.type.name)]] for i, row, joint in numbered]
     heads: list[str | Formula] = [*names, [text("joint")]]
     if "joint_limits" in writer.source.assumed:
@@ -73,6 +74,16 @@ def _table(writer: Writer, names: Sequence[str], rows: Sequence[Any]) -> Iterato
         for i, line in zip(writer.numbers, lines, strict=True):
             line.append(_limits(writer, i))
         yield from writer.table([*heads, [text("limits")]], lines)
+
+
+def _rotors(writer: Writer) -> Iterator[Block]:
+    """Yield the rotors beside rows: what carries them, and how far they turn on it."""
+    write, model = writer.write, writer.model
+    spinning = [(i, x) for i, x in enumerate(model.joints, 1) if x.type.spins]
+    if spinning:
+        yield paragraph("Rotors, the links that carry them, and the angles that they turn there:")
+        rows = [[write(i), write(x.parent + 1), write(model.displacement(x))] for i, x in spinning]
+        yield from writer.table(["i", "p_i", "x_i"], rows)
 
 
 def _limits(writer: Writer, i: int) -> Formula:

@@ -20,12 +20,13 @@ def kinematics(writer: Writer) -> Iterator[Section]:
 
 
 def _frames(writer: Writer) -> Iterator[Block]:
-    robot, parents = writer.robot, [joint.parent + 1 for joint in writer.model.joints]
-    for i, parent, T in zip(writer.links, parents, robot.Ts, strict=True):
+    robot, joints = writer.robot, enumerate(writer.model.joints, 1)
+    parents = {i: joint.parent + 1 for i, joint in joints if not joint.type.spins}
+    for (i, parent), T in zip(parents.items(), robot.Ts, strict=True):
         yield from writer.transform(f"T_{{{writer.index(i, parent)}}}", T)
-    if any(parents):
+    if any(parents.values()):
         yield paragraph("Their products, the frames expressed in frame $0$:")
-    for i in (i for i, parent in zip(writer.links, parents, strict=True) if parent):
+    for i in (i for i, parent in parents.items() if parent):
         yield from writer.transform(f"T_{{{writer.index(i, 0)}}}", robot.T_i0(i))
     numbers = {str(i) for i in writer.links}
     for frame in (x.name for x in writer.model.frames if x.name not in numbers):

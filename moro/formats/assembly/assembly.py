@@ -105,7 +105,7 @@ class Assembly:
 
     def model(self) -> Model:
         """Return the tree of joints and bodies. ValueError for what is no tree, or has no joint."""
-        links = tree.parents_first(self.links)
+        links = sorted(tree.parents_first(self.links), key=lambda link: link.spins)
         order = self._moving(links)
         built = _Build({name: j for j, name in enumerate(order)})
         for link in links:
@@ -174,7 +174,10 @@ class Assembly:
             for link in links:
                 joints, count = depth[link.parent]
                 depth[link.name] = joints + len(link.motions), count + 1
-            tip = max((link.name for link in reversed(links)), key=depth.__getitem__)
+            carrying = [link.name for link in links if not link.spins]
+            if not carrying:
+                return ()
+            tip = max(reversed(carrying), key=depth.__getitem__)
         last = next(frame for frame in built.frames if frame.name == tip)
         return (*(frame for frame in built.frames if frame is not last), last)
 
@@ -206,7 +209,8 @@ class _Build:
         steps = joined(steps)
         self.where[link.name] = index, steps
         placement = placed(steps)
-        self.frames.append(Frame(link.name, index, placement))
+        if not link.spins:
+            self.frames.append(Frame(link.name, index, placement))
         if index >= 0:
             self.carried[index] += (bodies.moved(body, placement) for body in link.bodies)
 

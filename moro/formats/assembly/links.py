@@ -47,6 +47,11 @@ class Link:
         """How it moves on its parent."""
         return tuple(step for step in self.path if isinstance(step, Motion))
 
+    @property
+    def spins(self) -> bool:
+        """Whether it is a rotor, which carries nothing."""
+        return any(motion.type.spins for motion in self.motions)
+
 
 #: constant steps only
 Steps: TypeAlias = "tuple[Step, ...]"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -35,7 +35,7 @@ def tree_on(links: Sequence[Link], root: str) -> tuple[list[Link], list[Step]]:
 
 
 def chains_to(links: Sequence[Link], tips: Sequence[str]) -> list[Link]:
-    """Return the links on the way to the tips, and what is fixed to them on the way.
+    """Return the links on the way to the tips, and what is fixed to them, or spins, on the way.
 
     The robot ends at a tip: what is on it is not there. ValueError for a tip that is no link.
     """
@@ -43,15 +43,31 @@ def chains_to(links: Sequence[Link], tips: Sequence[str]) -> list[Link]:
     for tip in tips:
         known(tip, there, "tip", "no link")
     kept = {link.name for tip in tips for link in way(there, tip)}
+    driven = {q for link in links if not link.spins for x in link.motions for q, _ in x.terms}
     on = children(links)
     ends = {tip for tip in tips if not any(tip in _above(there, other) for other in tips)}
     waiting = [name for name in kept if name not in ends]
     while waiting:
         for link in on.get(waiting.pop(), ()):
-            if link.name not in kept and not link.motions:
+            if link.name not in kept and (link.spins or not link.motions):
                 kept.add(link.name)
                 waiting.append(link.name)
-    return [link for link in links if link.name in kept]
+    left = {
+        q
+        for link in links
+        if link.name in kept and not link.spins
+        for x in link.motions
+        for q, _ in x.terms
+    }
+    found = [link for link in links if link.name in kept or _is_spun(link, kept, left)]
+    still = dict.fromkeys(driven - left, _ZERO)  # what drove a joint that is not there
+    return [held([link], still)[0] if link.spins else link for link in found]
+
+
+def _is_spun(link: Link, kept: Container[str], coordinates: set[str]) -> bool:
+    """Whether a link is a rotor, in the world or on some links, that coordinates spin."""
+    there = link.spins and (link.parent is None or link.parent in kept)
+    return there and coordinates.issuperset(q for x in link.motions for q, _ in x.terms)
 
 
 def _above(links: Mapping[str, Link], name: str) -> set[str]:

@@ -52,6 +52,8 @@ class Arm:
     #: of the rows, "" where they have none; or of none
     link_names: tuple[str, ...] = ()
     joint_names: tuple[str, ...] = ()
+    #: (inertia about its axis, turns for one of the joint) of the rotor of each row, or None
+    rotors: tuple[tuple[Any, Any] | None, ...] | None = None
 
     @property
     def variables(self) -> dict[Any, int]:

@@ -47,6 +47,7 @@ class Description(Source):
         self._inertia_tensors: tuple[tuple[tuple[Any, ...], ...], ...] | None = None
         self._gravity: tuple[Any, ...] | None = None
         self._rotor_inertias: tuple[Any, ...] | None = None
+        self._rotors: tuple[tuple[Any, Any] | None, ...] | None = None
         self._viscous_friction: tuple[Any, ...] | None = None
         self._coulomb_friction: tuple[tuple[Any, Any], ...] | None = None
         self._joint_limits: tuple[tuple[Any, Any] | None, ...] | None = None
@@ -209,6 +210,38 @@ class Description(Source):
         self._set_joint_constants("rotor_inertias", values)
 
     @property
+    def rotors(self) -> list[tuple[Any, Any] | None] | None:
+        """Rotors that couple: (inertia about its axis [kg m^2], turns for one of the joint) each.
+
+        The rotor of joint i's motor is on link i - 1 and spins about the axis of the joint, beside
+        the turning of link i - 1. None: of a joint without one, and for none at all. Masses and
+        other moments of motors are those of the links that carry them. ``rotor_inertias`` are the
+        approximation by the diagonal: set one or the other.
+        """
+        return self._as_given("rotors")
+
+    @rotors.setter
+    def rotors(self, values: Any) -> None:
+        if values is None:
+            self._set("rotors", None, None)
+            return
+        items = checks.groups(values, self._count, "rotors")
+        new = []
+        for i, item in enumerate(items, 1):
+            what = f"rotors of joint {i}"
+            pair = None if item is None else checks.sequence(item, what)
+            if pair is not None and len(pair) != 2:
+                raise ValueError(f"{what} must be (inertia, ratio), not {checks.brief(item)}")
+            new.append(
+                pair
+                and (
+                    checks.not_negative(pair[0], f"inertia in {what}", self.qs),
+                    checks.not_zero(pair[1], f"ratio in {what}"),
+                )
+            )
+        self._set("rotors", tuple(new), tuple(x if x is None else tuple(x) for x in items))
+
+    @property
     def viscous_friction(self) -> list[Any] | None:
         """Viscous friction coefficients [N m s/rad or N s/m]; None means none."""
         return self._as_given("viscous_friction")
@@ -253,6 +286,7 @@ class Description(Source):
             self._coulomb_friction,
             self._joint_limits,
             *self._names,
+            self._rotors,
         )
 
     def given(self, name: str) -> Any:
@@ -262,6 +296,13 @@ class Description(Source):
     def how_to_set(self, name: str) -> str:
         """Say how one of ``QUANTITIES`` is set."""
         return QUANTITIES[name]
+
+    def summary(self) -> Table:
+        """Return what is given, rotors that couple where there are, and what is not set."""
+        table = super().summary()
+        if self._rotors is None:
+            return table
+        return Table(table.headings, [*table, ("rotors", "given", self._brief(self.rotors))])
 
     def _headline(self) -> tuple[str, str, str]:
         kinds = "".join(row.type.letter for row in self._rows)
@@ -341,6 +382,8 @@ class Description(Source):
                 yield from line
         yield from self._gravity or ()
         yield from self._rotor_inertias or ()
+        for rotor in self._rotors or ():
+            yield from rotor or ()
         yield from self._viscous_friction or ()
         for pair in self._coulomb_friction or ():
             yield from pair

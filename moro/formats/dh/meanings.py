@@ -53,6 +53,10 @@ def _constants(arm: Arm) -> Iterator[tuple[str, str, int, Any]]:
         yield f"gravity {axis}", "", 0, value
     for i, value in enumerate(arm.rotor_inertias or (), 1):
         yield "rotor inertia", "joint", i, value
+    for i, rotor in enumerate(arm.rotors or (), 1):
+        if rotor is not None:
+            yield "inertia", "rotor", i, rotor[0]
+            yield "gear ratio", "rotor", i, rotor[1]
     for i, value in enumerate(arm.viscous_friction or (), 1):
         yield "viscous friction", "joint", i, value
     for i, (forwards, backwards) in enumerate(arm.coulomb_friction or (), 1):

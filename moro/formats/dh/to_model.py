@@ -9,7 +9,7 @@ Khalil's: z along the joint, x along the common normal to the joint after it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 import sympy as sp
@@ -18,6 +18,7 @@ from moro.formats.assembly.bodies import central_body
 from moro.formats.dh.arm import Arm, Row
 from moro.formats.dh.meanings import meanings
 from moro.model import (
+    ROTOR,
     Body,
     Central,
     Coordinate,
@@ -47,15 +48,20 @@ def model_from_dh(name: str, arm: Arm, defaults: Mapping[Any, Any]) -> Model:
     """
     where = meanings(arm)
     gx, gy, gz = arm.gravity or (_ZERO,) * 3
+    rotors = [*_rotors(arm)]
     return Model(
         name,
-        tuple(_joint(arm, i) for i in range(len(arm.rows))),
-        tuple(_body(arm, i) for i in range(len(arm.rows))),
+        (*(_joint(arm, i) for i in range(len(arm.rows))), *(x for x, _ in rotors)),
+        (*(_body(arm, i) for i in range(len(arm.rows))), *(x for _, x in rotors)),
         (gx, gy, gz),
         tuple(_frames(arm)),
         tuple(_coordinate(arm, j, q) for j, q in enumerate(arm.variables)),
         tuple(Parameter(s, x, where.get(str(s), "")) for s, x in defaults.items()),
-        frozenset(field.name for field in fields(arm) if getattr(arm, field.name) is None),
+        frozenset(
+            field.name
+            for field in fields(arm)
+            if getattr(arm, field.name) is None and field.name != "rotors"
+        ),
         arm.convention,
     )
 
@@ -89,6 +95,19 @@ def _joint(arm: Arm, i: int) -> Joint:
         tuple((index[variable], ratio) for variable, ratio in row.terms),
         arm.joint_names[i] if arm.joint_names else "",
     )
+
+
+def _rotors(arm: Arm) -> Iterator[tuple[Joint, Body]]:
+    """Yield the rotors that couple: each on the link before its joint, about the joint's axis."""
+    for i, rotor in enumerate(arm.rotors or ()):
+        if rotor is not None:
+            inertia, ratio = rotor
+            joint = _joint(arm, i)
+            terms = tuple((j, ratio * x) for j, x in joint.terms)
+            nothing = (_ZERO, _ZERO, _ZERO)
+            tensor = (nothing, nothing, (_ZERO, _ZERO, inertia))
+            spinning = replace(joint, type=ROTOR, offset=_ZERO, terms=terms, name=f"rotor{i + 1}")
+            yield spinning, central_body(_ZERO, nothing, tensor, in_numbers=False)
 
 
 def _coordinate(arm: Arm, j: int, variable: Any) -> Coordinate:

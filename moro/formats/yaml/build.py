@@ -55,7 +55,7 @@ def _has_place(link: Link) -> bool:
     friction = link.friction or Friction()
     return (
         link.model_fields_set <= _OF_ROWS
-        and link.joint in JOINT_TYPES
+        and link.joint in ("revolute", "prismatic")
         and friction.static is None
         and friction.smooth is None
     )

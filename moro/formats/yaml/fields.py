@@ -41,7 +41,7 @@ def between(tree: Table) -> Found:
 def _link(link: Table, at: Location, dynamic: bool) -> Found:
     joint = _word(link, "joint")
     fixed = joint == "fixed"
-    if is_row(link, fixed):
+    if is_row(link, joint):
         yield from ((spot, missing(spot)) for spot in _absent(link, at, "a", "alpha", "d", "theta"))
     else:
         yield from _placed(link, at, joint)
@@ -56,8 +56,14 @@ def _link(link: Table, at: Location, dynamic: bool) -> Found:
                 yield (*at, name), "is of a joint that moves, and this one is fixed; leave it out"
     else:
         yield from _drive(link, at)
+    if joint == "rotor" and "frames" in link:
+        yield (*at, "frames"), "move with a link, and nothing is on a rotor; leave them out"
     needed = dynamic and not fixed and "bodies" not in link
-    yield from _body(link, at, needed, _ALL_OR_NONE)
+    if joint == "rotor" and not any(name in link for name in ("mass", "com", "first_moment")):
+        if needed and "inertia" not in link:
+            yield (*at, "inertia"), missing((*at, "inertia"))
+    else:
+        yield from _body(link, at, needed, _ALL_OR_NONE)
     bodies = link.get("bodies")
     for i, body in enumerate(bodies if isinstance(bodies, List) else ()):
         if isinstance(body, Table):
@@ -71,7 +77,8 @@ def _link(link: Table, at: Location, dynamic: bool) -> Found:
 
 def _placed(link: Table, at: Location, joint: str) -> Found:
     """Find parts of a row at a joint that is given by a placement."""
-    moved = {"revolute": "theta", "helical": "theta", "prismatic": "d"}.get(joint)
+    turning = dict.fromkeys(("revolute", "helical", "rotor"), "theta")
+    moved = (turning | {"prismatic": "d"}).get(joint)
     for name in ("a", "alpha", "d", "theta"):
         if name in link and name != moved:
             yield (

@@ -20,6 +20,7 @@ from moro.formats.yaml.schema import Body, Link, Placed, RobotFile, is_row
 from moro.model import (
     PRISMATIC,
     REVOLUTE,
+    ROTOR,
     Coordinate,
     Parameter,
     Rotation,
@@ -44,11 +45,11 @@ def assembled(file: RobotFile) -> Assembly:
     for entry, motion, name, parent in zip(
         file.links, motions, called.names, called.parents, strict=True
     ):
-        row = is_row(entry.model_fields_set, motion is None)
+        row = is_row(entry.model_fields_set, entry.joint)
         path = _row(entry, motion, file.convention) if row else _placed(entry, motion)
         links.append(assembly.Link(name, parent, path, tuple(_bodies(entry))))
         links += (assembly.Link(x, name, steps(frame)) for x, frame in entry.frames.items())
-        number += motion is not None
+        number += motion is not None and entry.joint != "rotor"
         if motion is not None and row and name != str(number):  # frame i of the texts
             links.append(assembly.Link(str(number), name))
     if file.tool is not None:
@@ -58,7 +59,7 @@ def assembled(file: RobotFile) -> Assembly:
         tuple(links),
         _coordinates(file, motions),
         file.gravity or _NOTHING,
-        called.tip,
+        called.tip or None,
         _parameters(file, called.names),
         _not_set(file),
     )
@@ -105,7 +106,7 @@ def _motions(link: Link, motion: Moved | None, height: object) -> Iterator[Motio
     if link.joint == "prismatic":
         yield Motion(PRISMATIC, terms, motion.offset, name)
         return
-    yield Motion(REVOLUTE, terms, motion.offset, name)
+    yield Motion(ROTOR if link.joint == "rotor" else REVOLUTE, terms, motion.offset, name)
     if link.joint == "helical":
         rise = link.pitch / (2 * sympy.pi)
         yield Motion(PRISMATIC, tuple((q, ratio * rise) for q, ratio in terms), height, name)
@@ -114,6 +115,8 @@ def _motions(link: Link, motion: Moved | None, height: object) -> Iterator[Motio
 def _bodies(link: Link) -> Iterator[Weighed]:
     if link.mass is not None:
         yield _body(link)
+    elif link.inertia is not None:  # of a rotor, whose mass is the parent's
+        yield _body(link.model_copy(update={"mass": _ZERO, "com": _NOTHING}))
     for body in link.bodies or ():
         yield body_in(_body(body), placed(steps(body)))
 

@@ -5,6 +5,7 @@ A link that moves has a number too: the first is 1, and 0 is the base.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -39,28 +40,30 @@ def references(file: RobotFile) -> References:
     known: dict[str, str | None] = {"0": base}
     if base:
         known[base] = base
-    moving = still = 0
+    count = Counter[str]()
+    last: str | None = base
     for i, link in enumerate(file.links):
-        moving, still = (moving, still + 1) if link.joint == "fixed" else (moving + 1, still)
-        own = f"fixed_{still}" if link.joint == "fixed" else str(moving)
-        before = found.names[-1] if found.names else base
+        kind = link.joint if link.joint in ("fixed", "rotor") else ""
+        count[kind] += 1
+        own = f"{kind}_{count[kind]}" if kind else str(count[kind])
         found.parents.append(
-            before
+            last
             if link.parent is None
             else _referred(link.parent, known, ("links", i, "parent"), found)
         )
         found.names.append(link.name or own)
-        known |= dict.fromkeys((found.names[-1], own), found.names[-1])
-    last = found.names[-1]
+        if link.joint != "rotor":  # which carries nothing
+            last = found.names[-1]
+            known |= dict.fromkeys((last, own), last)
     if file.tool is not None:
         link_of_tool = file.tool.link
         at: Location = (TOOL, "link")
         found.tool = last if link_of_tool is None else _referred(link_of_tool, known, at, found)
         known[TOOL] = last = TOOL
     known |= {name: name for link in file.links for name in link.frames}
-    found.tip = last
+    found.tip = last or ""
     if file.tip is not None:
-        found.tip = _referred(file.tip, known, ("tip",), found) or last
+        found.tip = _referred(file.tip, known, ("tip",), found) or found.tip
     found.wrong += _doubled(file)
     return found
 

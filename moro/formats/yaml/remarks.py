@@ -28,7 +28,7 @@ def remarks(file: RobotFile) -> Iterator[tuple[Location, str]]:
     for location, value in values:
         if message := _without_value(value, file.parameters):
             yield location, message
-    rows = [is_row(link.model_fields_set, link.joint == "fixed") for link in file.links]
+    rows = [is_row(link.model_fields_set, link.joint) for link in file.links]
     data = [_data(link, row) for link, row in zip(file.links, rows, strict=True)]
     for field, i, message in remarks_on(data, file.gravity):
         if i is None:
@@ -73,7 +73,7 @@ def _data(link: Link, row: bool) -> LinkData:
     turns = link.joint in ("revolute", "helical")
     about_com = link.com is not None and link.inertia_about == "com"
     given: dict[str, Any] = {"mass": link.mass, "com": link.com, "limits": link.limits}
-    given["inertia"] = link.inertia if about_com else None
+    given["inertia"] = link.inertia if about_com and link.joint != "rotor" else None
     if not row:
         away = [pose.xyz for pose in link.poses if pose.xyz is not None]
         length = sum(max(map(sympy.Abs, xyz), default=_ZERO) for xyz in _numbers(away)) + _ZERO

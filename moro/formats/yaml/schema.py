@@ -157,11 +157,11 @@ class RobotFile(Mapping):
 PLACEMENT = ("xyz", "rpy", "R", "placement", "axis")
 
 
-def is_row(fields: Container[str], fixed: bool) -> bool:
+def is_row(fields: Container[str], joint: str) -> bool:
     """Whether a link, with these fields, is given by a row of DH parameters."""
-    if any(name in fields for name in PLACEMENT):
+    if joint == "rotor" or any(name in fields for name in PLACEMENT):
         return False
-    return not fixed or any(name in fields for name in ("a", "alpha", "d", "theta"))
+    return joint != "fixed" or any(name in fields for name in ("a", "alpha", "d", "theta"))
 
 
 def model_at(location: tuple[Any, ...]) -> type[BaseModel]:

@@ -269,10 +269,10 @@ def _choice(*words: str, read: Mapping[str, str], also: Mapping[str, str]) -> Pl
 
 
 #: what is read as a joint type
-JOINT_TYPES = ("revolute", "prismatic", "helical", "fixed")
+JOINT_TYPES = ("revolute", "prismatic", "helical", "rotor", "fixed")
 
 JointType = Annotated[
-    Literal["revolute", "prismatic", "helical", "fixed"],
+    Literal["revolute", "prismatic", "helical", "rotor", "fixed"],
     _choice(
         *JOINT_TYPES,
         read={"r": "revolute", "p": "prismatic"} | {word: word for word in JOINT_TYPES},
@@ -281,6 +281,8 @@ JointType = Annotated[
             "continuous": "write `revolute` and leave out the limits",
             "linear": "write `prismatic`",
             "screw": "write `helical`, with its `pitch`",
+            "motor": "write `rotor`, on the link that carries it",
+            "flywheel": "write `rotor`",
         },
     ),
 ]

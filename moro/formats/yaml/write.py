@@ -49,7 +49,7 @@ class _Writer:
         self.called: dict[str | None, str] = {None: "0"}
         #: the link of the entry before, and how many moved, and stood still, until there
         self.last: str | None = None
-        self.moving = self.still = 0
+        self.moving = self.still = self.spinning = 0
         #: the coordinates of the entries until there
         self.known: set[str] = set()
         #: those that are new in the entry at hand
@@ -111,20 +111,20 @@ class _Writer:
     def entry(self, link: Link, frames: Iterable[Link]) -> Fields:
         """Return what is said of a link, and of the frames on it."""
         before, motions, after = _path(link)
-        self.moving, self.still = (
-            (self.moving + 1, self.still) if motions else (self.moving, self.still + 1)
-        )
         fields: Fields = {"joint": _kind(motions)}
-        own = str(self.moving) if motions else f"fixed_{self.still}"
-        if link.name != own and not link.name.startswith(_UNNAMED):
+        own = self.number(link)
+        unnamed = link.name.startswith(_UNNAMED) or (link.spins and link.name.isdigit())
+        if link.name != own and not unnamed:
             fields["name"] = word(link.name if not link.name.isdigit() else f"link_{link.name}")
         if link.parent != self.last:
             fields["parent"] = self.called[link.parent]
         if motions and motions[0].name:
             fields["joint_name"] = word(motions[0].name)
-        self.called[link.name] = fields.get("name", own)
-        self.last = link.name
-        found = row(before, after, bool(motions), self.convention) if self.convention else None
+        found = None
+        if not link.spins:
+            self.called[link.name] = fields.get("name", own)
+            self.last = link.name
+            found = row(before, after, bool(motions), self.convention) if self.convention else None
         if found is not None:
             fields |= self.row(found, motions)
         else:
@@ -137,6 +137,17 @@ class _Writer:
         }:
             fields["frames"] = on
         return fields | self.drive(motions)
+
+    def number(self, link: Link) -> str:
+        """Return what a link is called that has no name."""
+        if link.spins:
+            self.spinning += 1
+            return f"rotor_{self.spinning}"
+        if link.motions:
+            self.moving += 1
+            return str(self.moving)
+        self.still += 1
+        return f"fixed_{self.still}"
 
     def row(self, found: Row, motions: Sequence[Motion]) -> Fields:
         """Return a row; the joint variable is in what it is added to."""
@@ -203,14 +214,16 @@ class _Writer:
         """Return the bodies of a link: the first as the link's own, if it is in its frame."""
         if "masses" in self.model.not_set:
             return {}
-        first, *others = [self.body(body) for body in link.bodies] or [{}]
+        first, *others = [self.body(body, link.spins) for body in link.bodies] or [{}]
         if set(first) & {"xyz", "rpy", "R", "placement"}:
             first, others = {}, [first, *others]
         if not first and (others or moves):
             return {"bodies": others}
         return first | ({"bodies": others} if others else {})
 
-    def body(self, body: Body) -> Fields:
+    def body(self, body: Body, spins: bool = False) -> Fields:
+        if body.mass == 0 and body.central is not None and spins and not any(body.central.com):
+            return {"inertia": self.tensor(body.central.inertia)}
         fields: Fields = {"mass": self.values(body.mass)}
         if body.central is None:
             fields["first_moment"] = self.list(body.first_moment)
@@ -304,7 +317,7 @@ def _simple(link: Link, convention: str) -> Iterator[Link]:
         name = f"{_UNNAMED}{link.name}{_UNNAMED}{k}"
         yield Link(name, parent, (*steps, *moves))
         parent = name
-    fits = not motions or axis(before, after) is not None
+    fits = not motions or link.spins or axis(before, after) is not None
     if fits or (convention and row(before, after, bool(motions), convention) is not None):
         yield replace(link, parent=parent, path=(*before, *motions, *after))
         return

@@ -233,6 +233,9 @@ def test_friction_and_rotor_inertia_have_their_places():
     assert F[1] == sp.Symbol("b2") * qd2 + sp.Symbol("f2") * sp.sign(qd2)
     for equation in robot.dynamic_model():
         assert equation.lhs.has(sp.sign)
+    D = robot.dissipation()
+    robot.coulomb_friction = None
+    assert robot.friction_vector() == sp.Matrix([D.diff(qd1), D.diff(qd2)])
     assert len(robot.dynamic_model_matrix_form().lhs.args) == 4
 
 
