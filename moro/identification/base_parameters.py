@@ -44,7 +44,8 @@ from moro.model import Drive, Joint, Model
 from moro.printing.display import Display
 from moro.printing.plain import in_decimals, prefers_decimals
 from moro.printing.tables import Table
-from moro.scalars.trig import Coefficient, Monomial, Trig, TrigRing
+from moro.scalars.relations import Coefficient, Monomial
+from moro.scalars.trig import Trig, TrigRing
 from moro.spatial.moments import Moments
 from moro.spatial.vectors import Scalar
 

@@ -30,10 +30,8 @@ class Mechanics(Kinematics, Linearization, Identification):
     def simplify(self, expr: Any) -> Any:
         """Return an expression (or matrix) in the joint variables in canonical, shortest form.
 
-        Exact: two expressions that are equal as trigonometric polynomials become identical, and
-        zero becomes 0. A denominator that is a polynomial of symbols cancels wherever it is a
-        factor, m1/(m1 + m2) + m2/(m1 + m2) is 1; sums over different denominators that share
-        symbols are not brought to a common one.
+        Exact: two expressions that are equal as trigonometric polynomials, or as quotients of
+        them, become identical, and zero becomes 0: m1/(m1 + m2) + m2/(m1 + m2) is 1.
         """
         if isinstance(expr, sp.MatrixBase):
             return expr.applyfunc(self.simplify)

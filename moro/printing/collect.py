@@ -28,7 +28,8 @@ from moro.printing.collected import Collected
 from moro.printing.display import Display
 from moro.printing.named_constants import Combination, NamedConstants, whole
 from moro.printing.notation import Notation
-from moro.scalars.trig import Monomial, Trig, TrigRing
+from moro.scalars.relations import Monomial
+from moro.scalars.trig import Trig, TrigRing
 
 
 class Collector:

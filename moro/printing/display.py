@@ -22,7 +22,8 @@ from typing import Any
 
 import sympy as sp
 
-from moro.scalars.trig import Coefficient, Monomial, Trig, TrigRing
+from moro.scalars.relations import Coefficient, Monomial
+from moro.scalars.trig import Trig, TrigRing
 
 Terms = dict[Monomial, Coefficient]
 
@@ -72,8 +73,21 @@ class Display:
         """Return ``p`` in its shortest common form."""
         found = self._shown.get(p)
         if found is None:
-            found = self._shown[p] = self._sum(self.shortened(p))
+            found = self._shown[p] = self._shortest(p)
         return found
+
+    def _shortest(self, p: Trig) -> Any:
+        """Return ``p`` as a sum, or over one denominator if that is shorter."""
+        whole = self._sum(self.shortened(p))
+        below = self.ring.one
+        for index, divisor in self.ring.reciprocals.items():
+            highest = max((self.ring.exponent(m, index) for m in p.terms), default=0)
+            for _ in range(highest):
+                p, below = p * divisor, below * divisor
+        if below == 1:
+            return whole
+        found = sp.Mul(self._sum(self.shortened(p)), 1 / self._sum(self.shortened(below)))
+        return found if found.count_ops() < whole.count_ops() else whole
 
     def simplified(self, expr: Any) -> Any:
         """Return a SymPy expression, or matrix, in its shortest common form."""

@@ -9,7 +9,8 @@ from typing import Any
 
 import sympy as sp
 
-from moro.scalars.trig import Coefficient, Monomial, Trig, TrigRing
+from moro.scalars.relations import Coefficient, Monomial
+from moro.scalars.trig import Trig, TrigRing
 
 #: a coefficient as a vector: {monomial: rational}
 SparseVector = dict[Monomial, Fraction]

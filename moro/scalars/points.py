@@ -9,7 +9,8 @@ from typing import Any
 import sympy as sp
 from mpmath import mp, mpf
 
-from moro.scalars.trig import Monomial, Trig, TrigRing
+from moro.scalars.relations import Monomial
+from moro.scalars.trig import Trig, TrigRing
 
 #: of numbers that are no fractions, where decimals are wanted
 _DIGITS = 40

@@ -8,7 +8,8 @@ from typing import Any
 
 import sympy as sp
 
-from moro.scalars.trig import Monomial, Trig
+from moro.scalars.relations import Monomial
+from moro.scalars.trig import Trig
 
 #: products of numbers of terms up to which common divisors are looked for
 _SHORT = 20_000

@@ -12,7 +12,7 @@ Generators come into being when they are first asked for. They are
 - symbols (and whatever is not a polynomial, taken as a whole: ``sqrt(l)``, ``exp(x)``),
 - square roots of integers, with ``g^2`` an integer,
 - pairs (sine, cosine) of an angle, with ``s^2 = 1 - c^2``,
-- reciprocals of sums and symbols p, with ``g p = 1``: a denominator cancels where it is a factor.
+- reciprocals of polynomials p, with ``g p = 1`` and what follows of it (``relations``).
 
 Angles are sums of joint variables. Consecutive parallel joints share one group of angles, q2 and
 q2 + q3, so that their rotations compose without products; see ``TrigRing.declare_angles``.
@@ -25,20 +25,35 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from time import thread_time
-from typing import Any, TypeAlias
+from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-Coefficient: TypeAlias = "int | Fraction"
-Monomial: TypeAlias = int
+from moro.scalars.relations import (
+    BITS,
+    FIELD,
+    Coefficient,
+    Monomial,
+    Relations,
+    common_factor,
+)
 
-_BITS = 8
+_BITS = BITS
 #: terms times values that are evaluated at once
 _CHUNK = 1 << 20
-_FIELD = (1 << _BITS) - 1
+_FIELD = FIELD
 #: the highest exponent that a product may reach; beyond it a field would overflow
 MAX_EXPONENT = (1 << (_BITS - 1)) - 1
+
+
+#: functions of an angle as quotients
+_QUOTIENTS: dict[Any, tuple[Any, Any]] = {
+    sp.tan: (sp.sin, sp.cos),
+    sp.cot: (sp.cos, sp.sin),
+    sp.sec: (lambda _: sp.Integer(1), sp.cos),
+    sp.csc: (lambda _: sp.Integer(1), sp.sin),
+}
 
 
 class Trig:
@@ -154,10 +169,10 @@ class TrigRing:
         self._reducible = 0
         self._sines: dict[int, int] = {}  # index of sine -> index of cosine
         self._roots: dict[int, int] = {}  # index of square root -> its square
-        #: index of a reciprocal -> the polynomial in symbols that it is one over
+        #: index of a reciprocal -> the polynomial that it is one over
         self.reciprocals: dict[int, Trig] = {}
-        # g p = 1, solved for the leading monomial of g p: (leading, its fields' highest bits, rest)
-        self._cancelling: list[tuple[Monomial, int, list[tuple[Monomial, Coefficient]]]] = []
+        self._inverses: dict[Any, Trig] = {}
+        self._relations = Relations()
         #: basic angle -> (index of sine, index of cosine)
         self.pairs: dict[Any, tuple[int, int]] = {}
         #: basic angles of parallel joints, in order, by group
@@ -225,6 +240,8 @@ class TrigRing:
             self.generator(sp.cos(angle, evaluate=False))
             cosine = self._index[sp.cos(angle, evaluate=False)]
             self._sines[sine] = cosine
+            rest = ((0, 1), (2 * self.unit(cosine), -1))
+            self._relations.square(self.unit(sine), rest, sine=True)
             self.pairs[angle] = sine, cosine
             for variable in angle.atoms(AppliedUndef) or angle.free_symbols:
                 self._slopes.setdefault(variable, {})[angle] = sp.diff(angle, variable)
@@ -236,37 +253,97 @@ class TrigRing:
         for prime in sp.primefactors(n):
             root = sp.sqrt(prime)
             if root not in self._index:
-                self._roots[self._with_square(root)] = prime
+                index = self._with_square(root)
+                self._roots[index] = prime
+                self._relations.square(self.unit(index), ((0, prime),), sine=False)
             product = product * self.generator(root)
         return product
 
     def _reciprocal(self, base: Any) -> Trig:
-        """Return one over ``base``; a polynomial in symbols, or a cosine, cancels in products."""
-        meaning = sp.Pow(base, -1)
-        symbols, cosines = base.free_symbols, self._sines.values()
-        polynomial = symbols and base.is_polynomial(*symbols)
-        if meaning not in self._index and (polynomial or isinstance(base, sp.cos)):
-            divisor = self.convert(base)
-            reciprocal = self.generator(meaning)
-            factors = {i for m in divisor.terms for i, _ in self.exponents(m)}
-            if all(self.generators[i].is_Symbol or i in cosines for i in factors):
-                self.reciprocals[self._index[meaning]] = divisor
-                self._cancel_with(divisor, *reciprocal.terms)
-        return self.generator(meaning)
+        """Return one over an expression that is not zero."""
+        if base not in self._inverses:
+            polynomial = self.convert(base)
+            if not polynomial:
+                raise ZeroDivisionError(f"{base}, by which is divided, is zero")
+            self._inverses[base] = self._inverse(polynomial)
+        return self._inverses[base]
 
-    def _cancel_with(self, divisor: Trig, reciprocal: Monomial) -> None:
-        """Let products of a divisor's leading monomial and its reciprocal be replaced.
+    def _inverse(self, p: Trig) -> Trig:
+        """Return one over a polynomial, by the reciprocals of its factors."""
+        above = self.one
+        for index, divisor in list(self.reciprocals.items()):  # 1/(a/b + c) = b/(a + b c)
+            for _ in range(max(self.exponent(m, index) for m in p.terms)):
+                p, above = p * divisor, above * divisor
+        common = next(iter(p.terms))
+        for m in p.terms:
+            common = self.common_factor(common, m)
+        for index, e in self.exponents(common):
+            above = above * self._repeated_product(self._inverse_generator(index), e)
+        rest = Trig(self, {m - common: c for m, c in p.terms.items()})
+        if len(rest) == 1:
+            return above / rest.terms[0]
+        scale, factors = self._factors(rest)
+        for factor in factors:
+            above = above * self._atom(factor)
+        return above / scale
 
-        Monomials are compared as integers, which is a lexicographic order: every step makes them
-        smaller, so it ends.
+    def _inverse_generator(self, index: int) -> Trig:
+        """Return one over a generator: of a square root, itself over its square."""
+        generator = Trig(self, {self.unit(index): 1})
+        if index in self._roots:
+            return generator / self._roots[index]
+        return self._atom(generator)
+
+    def _factors(self, p: Trig) -> tuple[Coefficient, list[Trig]]:
+        """Return a number and irreducible polynomials that p is the product of.
+
+        Where squares are replaced, in polynomials of sines and roots, there is no one way to
+        factor: these are taken as they are.
         """
-        leading = max(divisor.terms)
-        scale = 1 / Fraction(divisor.terms[leading])
-        rest = [(m + reciprocal, -c * scale) for m, c in divisor.terms.items() if m != leading]
-        product = leading + reciprocal
-        highest = sum(self.unit(i) << _BITS - 1 for i, _ in self.exponents(product))
-        rest = [(0, scale), *rest]
-        self._cancelling.append((product, highest, [(m, _as_integer(c)) for m, c in rest]))
+        used = sorted({i for m in p.terms for i, _ in self.exponents(m)})
+        if any(i in self._sines or i in self._roots for i in used):
+            scale, whole = self._primitive(p)
+            return scale, [whole]
+        free, *_ = sp.ring([f"x{i}" for i in used], sp.QQ)
+        terms = {}
+        for m, c in p.terms.items():
+            exponents = dict(self.exponents(m))
+            terms[tuple(exponents.get(i, 0) for i in used)] = sp.QQ(c.numerator, c.denominator)
+        number, found = free.from_dict(terms).factor_list()
+        total: Coefficient = _as_integer(Fraction(int(number.numerator), int(number.denominator)))
+        factors = []
+        for factor, times in found:
+            units = [
+                (sum(e * self.unit(i) for i, e in zip(used, exponents, strict=True)), c)
+                for exponents, c in factor.terms()
+            ]
+            as_trig: dict[Monomial, Coefficient] = {
+                m: Fraction(int(c.numerator), int(c.denominator)) for m, c in units
+            }
+            scale, primitive = self._primitive(Trig(self, as_trig))
+            factors += [primitive] * times
+            total = total * scale**times
+        return total, factors
+
+    def _primitive(self, p: Trig) -> tuple[Coefficient, Trig]:
+        """Return (scale, q) with p = scale q: q has coprime whole numbers, and no minus first."""
+        divisor = math.lcm(*(c.denominator for c in p.terms.values()))
+        content = math.gcd(*(int(c * divisor) for c in p.terms.values()))
+        scale = Fraction(content, divisor)
+        if self.expanded(p).could_extract_minus_sign():
+            scale = -scale
+        return _as_integer(scale), p / scale
+
+    def _atom(self, p: Trig) -> Trig:
+        """Return the generator that is one over a polynomial."""
+        meaning = sp.Pow(self.expanded(p), -1)
+        known = meaning in self._index
+        reciprocal = self.generator(meaning)
+        if not known:
+            (unit,) = reciprocal.terms
+            self.reciprocals[self._index[meaning]] = p
+            self._relations.reciprocal(unit, p.terms)
+        return reciprocal
 
     def reduced(self, terms: dict[Monomial, Coefficient]) -> dict[Monomial, Coefficient]:
         """Apply ``s^2 = 1 - c^2``, ``sqrt(n)^2 = n``, ``g p = 1`` until none does; drop zeros."""
@@ -283,23 +360,9 @@ class TrigRing:
                         work.append((m2, c2))
                     else:
                         terms[m2] = terms.get(m2, 0) + c2
-        if self._cancelling:
-            terms = self._cancelled(terms)
+        if self.reciprocals:
+            terms = self._relations.cancelled(terms)
         return {m: c for m, c in terms.items() if c}
-
-    def _cancelled(self, terms: dict[Monomial, Coefficient]) -> dict[Monomial, Coefficient]:
-        done: dict[Monomial, Coefficient] = {}
-        work = dict(terms)
-        while work:
-            m, c = work.popitem()
-            for leading, highest, rest in self._cancelling:
-                if ((m | highest) - leading) & highest == highest:  # no field of m is the smaller
-                    for other, factor in rest:
-                        _accumulate(work, m - leading + other, c * factor)
-                    break
-            else:
-                _accumulate(done, m, c)
-        return done
 
     def _reduced_once(self, m: Monomial, c: Coefficient) -> list[tuple[Monomial, Coefficient]]:
         bits = m & self._reducible
@@ -339,6 +402,9 @@ class TrigRing:
         if isinstance(expr, (sp.sin, sp.cos)):
             sine, cosine = self.sincos(expr.args[0])
             return sine if isinstance(expr, sp.sin) else cosine
+        if expr.func in _QUOTIENTS:
+            above, below = _QUOTIENTS[expr.func]
+            return self.convert(above(*expr.args)) * self._reciprocal(below(*expr.args))
         return self.generator(expr)
 
     def _number(self, number: Any) -> Trig:
@@ -545,10 +611,7 @@ class TrigRing:
     @staticmethod
     def common_factor(a: Monomial, b: Monomial) -> Monomial:
         """Return the greatest monomial that divides both."""
-        size = (min(a, b).bit_length() + _BITS - 1) // _BITS
-        mask = (1 << _BITS * size) - 1
-        both = ((x & mask).to_bytes(size, "little") for x in (a, b))
-        return int.from_bytes(bytes(map(min, *both)), "little")
+        return common_factor(a, b)
 
     # -- to SymPy and to numbers ------------------------------------------------------------------
 
