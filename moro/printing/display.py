@@ -5,10 +5,11 @@ common form, always by the same rules, so that equal polynomials give identical 
 
 - parallel joints show their differences and sums as one angle: ``c2 c23 + s2 s23`` is ``cos(q3)``;
 - ``x - x c^2`` is ``x s^2``;
+- ``a^2 + 2 a b + b^2`` is ``(a + b)^2``;
 - what all terms share, whole numbers and signs included, stands in front of a bracket;
 - no minus sign stands before a bracket that begins with one, or in front of an angle;
-- terms are grouped by velocities, then by trigonometric factors or by masses and inertias,
-  whichever takes fewer operations.
+- terms are grouped by velocities, then by trigonometric factors, by masses and inertias, or by
+  all but these, whichever takes fewer operations.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from typing import Any
 
 import sympy as sp
 
+from moro.printing.squares import Square, squares_in
 from moro.scalars.relations import Coefficient, Monomial
 from moro.scalars.trig import Trig, TrigRing
 
@@ -67,6 +69,7 @@ class Display:
         self._differences: dict[tuple[Any, Any], tuple[int, Trig, Trig]] = {}
         self._opposites: dict[Any, tuple[Trig, ...]] = {}
         self._shown: dict[Trig, Any] = {}
+        self._split: dict[frozenset[tuple[Monomial, Coefficient]], tuple[list[Square], Terms]] = {}
         self._brackets: dict[frozenset[tuple[Monomial, Coefficient]], Any] = {}
 
     def __call__(self, p: Trig) -> Any:
@@ -189,6 +192,9 @@ class Display:
         if common:
             scale, terms = _extracted({m - common: c for m, c in terms.items()})
             return _signed(self._number(scale), self._monomial(common), self._sum(terms))
+        squares, rest = self._squares(terms)
+        if squares and not rest:
+            return sp.Add(*(self._square(x) for x in squares))
         velocity = self.ring.mask(self._velocity_symbols)
         if any(m & velocity for m in terms) and any(m & ~velocity for m in terms):
             return self._by_velocity(terms, velocity)
@@ -223,9 +229,10 @@ class Display:
         key = frozenset(terms.items())
         found = self._brackets.get(key)
         if found is None:
-            groups = self._grouped(terms, self.ring.mask(self._inertial_symbols))
-            flat = [Group(1, {0: 1}, terms)]
-            best = groups if self._cost(groups) < self._cost(flat) else flat
+            inertial = self.ring.mask(self._inertial_symbols)
+            groupings = [[Group(1, {0: 1}, terms)]]
+            groupings += (self._grouped(terms, mask) for mask in (inertial, ~inertial))
+            best = min(groupings, key=self._cost)
             found = self._brackets[key] = sp.Add(
                 *(
                     _signed(self._number(g.scale), self._flat(g.fronts), self._flat(g.terms))
@@ -285,7 +292,11 @@ class Display:
         return total
 
     def _sum_cost(self, terms: Terms) -> int:
-        return sum(self._term_cost(m, c) for m, c in terms.items()) + len(terms) - 1
+        squares, rest = self._squares(terms)
+        total = sum(self._term_cost(m, c) for m, c in rest.items()) + len(rest) - 1
+        for scale, root in squares:
+            total += 2 + (scale not in (1, -1)) + self._sum_cost(root)
+        return total
 
     def _term_cost(self, m: Monomial, c: Coefficient) -> int:
         return self._monomial_cost(m) + (1 if m and c not in (1, -1) else 0)
@@ -303,7 +314,25 @@ class Display:
     # -- SymPy ------------------------------------------------------------------------------------
 
     def _flat(self, terms: Terms) -> Any:
-        return sp.Add(*(self._term(m, c) for m, c in terms.items()))
+        squares, rest = self._squares(terms)
+        flat = (self._term(m, c) for m, c in rest.items())
+        return sp.Add(*map(self._square, squares), *flat)
+
+    def _squares(self, terms: Terms) -> tuple[list[Square], Terms]:
+        """Return the squares of sums among the terms, and the others."""
+        if len(terms) < 3:
+            return [], terms
+        key = frozenset(terms.items())
+        found = self._split.get(key)
+        if found is None:
+            found = self._split[key] = squares_in(terms)
+        return found
+
+    def _square(self, square: Square) -> Any:
+        root = self._sum(square.root)
+        if root.is_Add and _begins_with_minus(root):
+            root = _negated(root)
+        return sp.Mul(self._number(square.scale), root**2)
 
     def _term(self, m: Monomial, c: Coefficient) -> Any:
         term = self._terms.get((m, c))
