@@ -69,7 +69,6 @@ class Display:
         self._differences: dict[tuple[Any, Any], tuple[int, Trig, Trig]] = {}
         self._opposites: dict[Any, tuple[Trig, ...]] = {}
         self._shown: dict[Trig, Any] = {}
-        self._split: dict[frozenset[tuple[Monomial, Coefficient]], tuple[list[Square], Terms]] = {}
         self._brackets: dict[frozenset[tuple[Monomial, Coefficient]], Any] = {}
 
     def __call__(self, p: Trig) -> Any:
@@ -231,7 +230,9 @@ class Display:
         if found is None:
             inertial = self.ring.mask(self._inertial_symbols)
             groupings = [[Group(1, {0: 1}, terms)]]
-            groupings += (self._grouped(terms, mask) for mask in (inertial, ~inertial))
+            groupings.append(self._grouped(terms, inertial))
+            if len({m & ~inertial for m in terms}) < len(terms):
+                groupings.append(self._grouped(terms, ~inertial))
             best = min(groupings, key=self._cost)
             found = self._brackets[key] = sp.Add(
                 *(
@@ -322,11 +323,9 @@ class Display:
         """Return the squares of sums among the terms, and the others."""
         if len(terms) < 3:
             return [], terms
-        key = frozenset(terms.items())
-        found = self._split.get(key)
-        if found is None:
-            found = self._split[key] = squares_in(terms)
-        return found
+        odd = self.ring.lowest_bits
+        even = sorted(m for m in terms if not m & odd)
+        return squares_in(terms, even) if len(even) > 1 else ([], terms)
 
     def _square(self, square: Square) -> Any:
         root = self._sum(square.root)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from fractions import Fraction
 from math import gcd, isqrt, lcm
 from typing import NamedTuple
 
-from moro.scalars.relations import BITS, Coefficient, Monomial
+from moro.scalars.relations import Coefficient, Monomial
 
 Terms = dict[Monomial, Coefficient]
 
@@ -22,17 +23,14 @@ class Square(NamedTuple):
     root: Terms
 
 
-def squares_in(terms: Terms) -> tuple[list[Square], Terms]:
+def squares_in(terms: Terms, even: Sequence[Monomial]) -> tuple[list[Square], Terms]:
     """Return squares of sums that are among the terms, and the terms that are left.
 
     A square of a, b, .. takes a^2, b^2, .. and all 2 a b. The first that are found are taken, as
-    long as they can be made.
+    long as they can be made. ``even`` are the monomials without odd exponents, in order.
     """
     found: list[Square] = []
-    if not 3 <= len(terms) <= _MOST_TERMS:
-        return found, terms
-    even = [m for m in sorted(terms) if not m & _odd(m)]
-    if not 2 <= len(even) <= _MOST:
+    if len(terms) > _MOST_TERMS or len(even) > _MOST:
         return found, terms
     left = dict(terms)
     for a, b in itertools.combinations(even, 2):
@@ -97,9 +95,3 @@ def _root(x: Coefficient) -> Coefficient | None:
 
 def _whole(x: Fraction) -> Coefficient:
     return x.numerator if x.denominator == 1 else x
-
-
-def _odd(m: Monomial) -> int:
-    """Return the lowest bits of all exponents."""
-    count = (m.bit_length() + BITS - 1) // BITS
-    return ((1 << BITS * count) - 1) // ((1 << BITS) - 1)

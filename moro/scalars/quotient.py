@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 from math import gcd, lcm
-from typing import Any
 
-import sympy as sp
-
+from moro.scalars.free import FreePolynomials
 from moro.scalars.relations import Monomial
 from moro.scalars.trig import Trig
 
@@ -62,33 +60,6 @@ def _without_monomial(numerator: Trig, denominator: Trig) -> tuple[Trig, Trig]:
 
 
 def _without_divisor(numerator: Trig, denominator: Trig) -> tuple[Trig, Trig]:
-    ring, n = numerator.ring, len(numerator.ring.generators)
-    monomials = (*numerator.terms, *denominator.terms)
-    used = sorted({i for m in monomials for i, _ in ring.exponents(m)})
-    if not used:
-        return numerator, denominator
-    polynomials, *_ = sp.ring([f"x{i}" for i in used], sp.QQ)
-
-    def free(p: Trig) -> Any:
-        packed = {m.to_bytes(n, "little"): c for m, c in p.terms.items()}
-        return polynomials.from_dict(
-            {
-                tuple(m[i] for i in used): sp.QQ(c.numerator, c.denominator)
-                for m, c in packed.items()
-            }
-        )
-
-    def back(p: Any) -> Trig:
-        terms = {
-            sum(e * ring.unit(i) for i, e in zip(used, exponents, strict=True)): c
-            for exponents, c in p.terms()
-        }
-        return Trig(ring, {m: _as_integer(c) for m, c in terms.items()})
-
-    _, above, below = free(numerator).cofactors(free(denominator))
-    return back(above), back(below)
-
-
-def _as_integer(c: Any) -> Any:
-    number = Fraction(int(c.numerator), int(c.denominator))
-    return number.numerator if number.denominator == 1 else number
+    ring, free = numerator.ring, FreePolynomials((*numerator.terms, *denominator.terms))
+    _, above, below = free.of(numerator.terms).cofactors(free.of(denominator.terms))
+    return Trig(ring, free.terms(above)), Trig(ring, free.terms(below))

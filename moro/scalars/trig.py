@@ -30,6 +30,7 @@ from typing import Any
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
+from moro.scalars.free import FreePolynomials, rational
 from moro.scalars.relations import (
     BITS,
     FIELD,
@@ -304,23 +305,11 @@ class TrigRing:
         if any(i in self._sines or i in self._roots for i in used):
             scale, whole = self._primitive(p)
             return scale, [whole]
-        free, *_ = sp.ring([f"x{i}" for i in used], sp.QQ)
-        terms = {}
-        for m, c in p.terms.items():
-            exponents = dict(self.exponents(m))
-            terms[tuple(exponents.get(i, 0) for i in used)] = sp.QQ(c.numerator, c.denominator)
-        number, found = free.from_dict(terms).factor_list()
-        total: Coefficient = _as_integer(Fraction(int(number.numerator), int(number.denominator)))
-        factors = []
+        free = FreePolynomials(p.terms)
+        number, found = free.of(p.terms).factor_list()
+        total, factors = rational(number), []
         for factor, times in found:
-            units = [
-                (sum(e * self.unit(i) for i, e in zip(used, exponents, strict=True)), c)
-                for exponents, c in factor.terms()
-            ]
-            as_trig: dict[Monomial, Coefficient] = {
-                m: Fraction(int(c.numerator), int(c.denominator)) for m, c in units
-            }
-            scale, primitive = self._primitive(Trig(self, as_trig))
+            scale, primitive = self._primitive(Trig(self, free.terms(factor)))
             factors += [primitive] * times
             total = total * scale**times
         return total, factors
@@ -592,6 +581,11 @@ class TrigRing:
             if index is not None:
                 mask |= _FIELD << _BITS * index
         return mask
+
+    @property
+    def lowest_bits(self) -> int:
+        """The lowest bits of all exponents, which tell the odd ones."""
+        return ((1 << _BITS * len(self.generators)) - 1) // _FIELD
 
     @staticmethod
     def unit(index: int) -> Monomial:
