@@ -13,6 +13,7 @@ from robots import random_robot
 import moro as mr
 import moro_codegen as mc
 from moro.abc import t
+from moro.model import Body
 from moro_codegen.functions.regressors import regressor
 from moro_codegen.functions.system import System
 from moro_codegen.graph.from_sympy import Converter
@@ -95,6 +96,11 @@ REQUESTS = (
 )
 
 
+def twice(body):
+    inertia = tuple(tuple(2 * x for x in row) for row in body.inertia)
+    return Body(2 * body.mass, tuple(2 * x for x in body.first_moment), inertia)
+
+
 @pytest.mark.parametrize("name", ["two_link", "palletizer"])
 def test_every_kind_is_verified(name, tmp_path):
     robot = mr.load(name)
@@ -104,8 +110,8 @@ def test_every_kind_is_verified(name, tmp_path):
     assert len(verification.errors) == len(REQUESTS)
     standard = 10 * len(robot.model().bodies) + robot.dof  # and a rotor each
     assert kernel.standard_regressor(*states(robot.dof)[:, 0])[0].shape == (robot.dof, standard)
-    heavier = mr.load(name).model()
-    heavier = replace(heavier, bodies=tuple(b + b for b in heavier.bodies))
+    model = robot.model()
+    heavier = replace(model, bodies=tuple(twice(body) for body in model.bodies))
     errors = mc.verify(kernel, heavier).max_errors
     assert errors.pop("standard_momentum_regressor") < 1e-12  # whose p is the heavier arm's
     assert min(errors.values()) > 1e-3
