@@ -49,7 +49,7 @@ def export(
         mc.export(robot, "out", targets=("c", "python"), functions=("tau", "inertia_matrix"))
 
     makes out/c and out/python. Each says how it is built, and carries a test of its own: golden
-    states from the symbolic route, which the functions were not made from. ``functions`` and
+    states from the route that each function was not made by. ``functions`` and
     ``dtype`` are those of ``compile``. ``batch`` adds functions for many states in C. ``prefix``
     begins the names of files and of C functions: by default that of the robot, with an f behind it
     in single precision, as in the C library.

@@ -17,6 +17,7 @@ from moro_codegen.calls import Calls
 from moro_codegen.emit.describe import docstring
 from moro_codegen.functions.own import Formula, Scope, own_defaults, results_of
 from moro_codegen.graph.nodes import Graph
+from moro_codegen.passes import Pass
 from moro_codegen.program import arranged, assembled, parameter_nodes
 
 NAME = "lambdified"
@@ -49,7 +50,8 @@ def lambdify(
     graph = Graph()
     nodes = parameter_nodes(graph, defaults)
     function = replace(formula, name=NAME).entry("The expression of a robot given.", "SI")
-    routine = arranged(function, graph, {"n": model.nv}, partial(formula.nodes, graph, nodes))
+    build = partial(formula.nodes, graph, nodes)
+    routine = arranged(function, graph, {"n": model.nv}, build, (Pass.COMMON_FACTORS,))
     program = assembled(model, defaults, [routine])
     (signature,) = program.signatures
     calls = signature.calls

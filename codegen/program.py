@@ -15,11 +15,11 @@ from moro.robot import Robot
 from moro_codegen.functions.arguments import Argument
 from moro_codegen.functions.function import Function, own_parameters
 from moro_codegen.functions.requested import Request, requested
+from moro_codegen.functions.short_forms import ShortForms
 from moro_codegen.functions.system import System
 from moro_codegen.graph.from_sympy import Converter
-from moro_codegen.graph.nodes import Graph, Node, count, parameters_of, replaced, schedule
-from moro_codegen.passes import PASSES, Pass
-from moro_codegen.passes.factor import factored
+from moro_codegen.graph.nodes import Graph, Node, cost, count, parameters_of, replaced, schedule
+from moro_codegen.passes import PASSES, Pass, condensed
 from moro_codegen.progress import tell
 from moro_codegen.signature import (
     DTYPES,
@@ -47,6 +47,8 @@ class Routine:
     angles: tuple[Node, ...]
     #: flat, row-major, in the order of ``outputs``
     results: tuple[Node, ...]
+    #: by which routes each of the function's parts was made
+    routes: tuple[str, ...]
     #: how many of "add", "sub" (with "neg"), "mul", "div", "sincos" (pairs), "sign", "call"
     ops: dict[str, int]
 
@@ -80,8 +82,8 @@ class Program:
             self.parameters,
             routine.ops,
             tuple(
-                Part(part.kind or part.name, len(part.outputs), part.frame or "")
-                for part in function.parts
+                Part(part.kind or part.name, len(part.outputs), part.frame or "", route)
+                for part, route in zip(function.parts, routine.routes, strict=True)
             ),
             DTYPES[self.scalar],
         )
@@ -117,7 +119,14 @@ def generate(
     defaults = {**model.defaults, **own_parameters(wanted)}
     graph = Graph()
     nodes = parameter_nodes(graph, defaults)
-    system = System(graph, model.map(Converter(graph, nodes)), rigid, nodes, tuple(passes))
+    system = System(
+        graph,
+        model.map(Converter(graph, nodes)),
+        rigid,
+        nodes,
+        tuple(passes),
+        ShortForms(model, rigid),
+    )
     routines, used = without_unused([routine(system, function) for function in wanted])
     symbols = list(defaults)
     return assembled(model, {symbols[k]: defaults[symbols[k]] for k in used}, routines, scalar)
@@ -167,15 +176,31 @@ def without_unused(routines: Sequence[Routine]) -> tuple[tuple[Routine, ...], li
     inputs = list(parameter_nodes(graph, range(used[-1] + 1)).values())
     new = {inputs[k]: inputs[i] for i, k in enumerate(used)}
     return tuple(
-        scheduled(x.function, x.inputs, x.outputs, replaced(x.results, new)) for x in routines
+        replace(
+            scheduled(x.function, x.inputs, x.outputs, replaced(x.results, new)), routes=x.routes
+        )
+        for x in routines
     ), used
 
 
 def routine(system: System, function: Function) -> Routine:
-    """Return the routine of one function."""
+    """Return the routine of one function.
+
+    Of several together, which share more of one recursion, also without closed forms if that takes
+    fewer operations.
+    """
+    systems = [system]
+    if function.together and Pass.CLOSED_FORMS in system.passes:
+        systems.append(replace(system, forms=None))
+    return min((_routine(x, function) for x in systems), key=lambda made: cost(made.results))
+
+
+def _routine(system: System, function: Function) -> Routine:
+    system = replace(system, function=function.request, routes={})
     build = partial(function.build, system)
     sizes = {"n": system.model.nv, "p": len(system.model.defaults)}
-    return arranged(function, system.graph, sizes, build, system.passes)
+    made = arranged(function, system.graph, sizes, build, system.passes)
+    return replace(made, routes=tuple(map(system.route, function.parts)))
 
 
 def arranged(
@@ -191,8 +216,7 @@ def arranged(
     outputs = tuple(_resolved(argument, sizes) for argument in function.outputs)
     nodes = [[graph.input(a.name, k) for k in range(a.size)] for a in inputs]
     flat = [x for output in build(*nodes) for x in output]
-    results = factored(flat) if Pass.COMMON_FACTORS in passes else flat
-    return scheduled(function, inputs, outputs, results)
+    return scheduled(function, inputs, outputs, condensed(flat, passes))
 
 
 def scheduled(
@@ -203,7 +227,8 @@ def scheduled(
 ) -> Routine:
     """Return the routine of results, with its operations in order."""
     order, angles = _angles_first(schedule(results))
-    return Routine(function, inputs, outputs, order, angles, tuple(results), count(order))
+    routes = ("expression",) * len(function.parts)
+    return Routine(function, inputs, outputs, order, angles, tuple(results), routes, count(order))
 
 
 def _angles_first(order: Sequence[Node]) -> tuple[tuple[Node, ...], tuple[Node, ...]]:

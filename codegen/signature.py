@@ -39,6 +39,9 @@ class Part:
     outputs: int
     #: the frame that it is of, if that was named
     frame: str = ""
+    #: how its results were come by: "recursion", "closed form", both with a comma between, or
+    #: "expression" for a function of the user's own
+    route: str = "recursion"
 
 
 @dataclass(frozen=True)

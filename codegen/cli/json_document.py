@@ -31,6 +31,7 @@ def document(outcome: Outcome) -> str:
         "verified": verification.passed,
         "verification": {
             "route": verification.route,
+            "routes": dict(verification.routes),
             "states": len(verification.q),
             "tolerance": verification.tolerance,
             "largest_error": verification.max_error,

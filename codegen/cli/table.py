@@ -125,15 +125,16 @@ def _comparison(outcome: Outcome) -> Iterator[TableRow]:
 
 def _by_function(outcome: Outcome) -> Iterator[tuple[str, ...]]:
     """Yield operations, error and times of each function, under a header."""
-    errors = outcome.verification.max_errors
+    errors, routes = outcome.verification.max_errors, outcome.verification.routes
     times = ["one call", "in a batch"] if outcome.timings else []
-    yield "", "operations", "sin-cos", "error", *times
+    yield "", "operations", "sin-cos", "error", "against", *times
     for name, ops in outcome.kernel.ops.items():
         error = f"{errors[name]:.1e}" if name in errors else "-"
         # of tau the kernel's own come first
         own = [[t for t in outcome.timings if (t.function, t.batch) == (name, b)] for b in (0, 1)]
         times = [_duration(timings[0].seconds) for timings in own if timings]
-        yield name, str(_operations(ops)), str(ops["sincos"]), error, *times
+        against = routes.get(name, "-").replace("formulas evaluated at the states", "formulas")
+        yield name, str(_operations(ops)), str(ops["sincos"]), error, against, *times
 
 
 def _columns(rows: Sequence[Sequence[str]]) -> Iterator[Text]:

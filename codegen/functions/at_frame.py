@@ -33,9 +33,7 @@ def at_frame(function: Function, name: str, model: Model) -> Function:
         )
 
     def build(system: System, *given: Sequence[Node]) -> Sequence[Sequence[Node]]:
-        frame = frame_called(system.model, name)
-        ending = replace(system.model, frames=(*system.model.frames, frame))
-        return function.build(replace(system, model=ending), *given)
+        return function.build(_ending_at(system, name), *given)
 
     def said(text: str) -> str:
         return text.replace(LAST, f"frame {name}")
@@ -54,3 +52,13 @@ def at_frame(function: Function, name: str, model: Model) -> Function:
         frame=name,
         kind=function.name,
     )
+
+
+def _ending_at(system: System, name: str) -> System:
+    """Return the system whose last frame is the one of this name."""
+
+    def ending(model: Model) -> Model:
+        return replace(model, frames=(*model.frames, frame_called(model, name)))
+
+    forms = system.forms and system.forms.of(ending(system.forms.model))
+    return replace(system, model=ending(system.model), forms=forms)

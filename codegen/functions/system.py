@@ -3,7 +3,8 @@
 A function that follows from M(q) and G(q) alone is the same for an arm with fewer inertial
 parameters and other frames: it is built for several such arms, and the one that takes the fewest
 operations is kept (``System.dynamics``). Where the last frame is, and how high the masses are, has
-to be asked of the arm itself (``System.geometry``).
+to be asked of the arm itself (``System.geometry``). Beside what the recursions give stands the
+closed form, where it is short (``System.closed_form``).
 """
 
 from __future__ import annotations
@@ -12,16 +13,21 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from moro.algorithms.coordinates import displacements
 from moro.algorithms.drives import Functions, drive_torques, spring_torques
 from moro.algorithms.posture import Posture, posture, with_frame
 from moro.model import Model
 from moro.spatial.vectors import Scalar
-from moro_codegen.graph.nodes import Graph, Node, fewest
+from moro_codegen.functions.alternatives import ClosedForms, Route, cheapest, nothing
+from moro_codegen.functions.function import Function
+from moro_codegen.graph.nodes import Graph, Node
 from moro_codegen.passes import PASSES, Pass, equivalent_postures, rearranged
 from moro_codegen.passes.factor import factored
+
+if TYPE_CHECKING:  # SymPy, which help does without
+    from moro_codegen.functions.short_forms import ShortForms
 
 #: from an arm in a posture to results, flat
 Algorithm = Callable[[Posture], Sequence[Scalar]]
@@ -39,11 +45,23 @@ class System:
     parameters: Mapping[Any, Node] = field(default_factory=dict)
     #: what its functions are made small by
     passes: tuple[Pass, ...] = PASSES
+    #: closed forms of the same model; None: they are not asked for
+    forms: ShortForms | None = None
+    #: the function that is built, and by which routes each was
+    function: str = ""
+    routes: dict[str, set[Route]] = field(default_factory=dict)
 
     @property
     def rotors(self) -> list[Scalar]:
         """The rotor inertias."""
         return [0 if self.rigid else x.drive.rotor_inertia for x in self.model.coordinates]
+
+    def route(self, function: Function) -> str:
+        """Return by which routes a function was made, in words."""
+        if not function.algorithm:
+            return "expression"
+        made = self.routes.get(function.request, {Route.RECURSION})
+        return ", ".join(route.value for route in Route if route in made)
 
     def posture(self, q: Sequence[Node]) -> Posture:
         """Return the arm at q."""
@@ -56,9 +74,35 @@ class System:
         tip = self.model.tip
         return with_frame(self.posture(q), tip.link, tip.placement)
 
-    def dynamics(self, arm: Posture, *algorithms: Algorithm) -> list[Node]:
-        """Return the results of the algorithm, and for the equivalent arm, that are cheapest."""
-        return fewest(self._alternatives(arm, algorithms), self.graph)
+    def closed_form(self, formula: str, *motion: Sequence[Node]) -> ClosedForms:
+        """Return what makes nodes of a closed form at q, and qd and qdd where it depends on them.
+
+        ``formula`` is a method of ``ShortForms``. What is returned is told how many pairs of terms
+        there may be, and yields nothing if there are more.
+        """
+        if self.forms is None or Pass.CLOSED_FORMS not in self.passes:
+            return nothing
+        return partial(self.forms.nodes, formula, self.graph, self.parameters, motion)
+
+    def dynamics(
+        self, arm: Posture, *algorithms: Algorithm, closed_form: ClosedForms = nothing
+    ) -> list[Node]:
+        """Return the cheapest results: of the algorithms for equivalent arms, or a closed form."""
+        return self._fewest(self._alternatives(arm, algorithms), closed_form)
+
+    def geometry(
+        self, q: Sequence[Node], algorithm: Algorithm, closed_form: ClosedForms = nothing
+    ) -> list[Node]:
+        """Return the cheapest results for the arm itself, with frame n as a further link."""
+        arm = self.with_tip(q)
+        return self._fewest((algorithm(x) for x in rearranged(arm, self.passes)), closed_form)
+
+    def _fewest(
+        self, recursions: Iterable[Sequence[Scalar]], closed_form: ClosedForms
+    ) -> list[Node]:
+        route, results = cheapest(self.graph, recursions, closed_form, self.passes)
+        self.routes.setdefault(self.function, set()).add(route)
+        return results
 
     def _alternatives(
         self, arm: Posture, algorithms: Sequence[Algorithm]
@@ -76,11 +120,6 @@ class System:
                 for other in equivalent_postures(arm, self.passes):
                     yield factored([self.graph.constant(x) for x in run(other)])
             self.graph.cancels = False
-
-    def geometry(self, q: Sequence[Node], algorithm: Algorithm) -> list[Node]:
-        """Return the cheapest results for the arm itself, with frame n as a further link."""
-        arm = self.with_tip(q)
-        return fewest((algorithm(x) for x in rearranged(arm, self.passes)), self.graph)
 
     def nodes(self, scalars: Iterable[Scalar]) -> list[Node]:
         """Return nodes for scalars, some of which may be numbers."""

@@ -35,7 +35,9 @@ def together(functions: Sequence[Function]) -> Function:
         return [
             result
             for function, arguments in zip(functions, taken, strict=True)
-            for result in function.build(system, *(nodes[a.name] for a in arguments))
+            for result in function.build(
+                replace(system, function=function.request), *(nodes[a.name] for a in arguments)
+            )
         ]
 
     return Function(

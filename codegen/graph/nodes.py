@@ -364,18 +364,25 @@ def parameters_of(results: Iterable[Node]) -> set[int]:
     }
 
 
-def fewest(alternatives: Iterable[Sequence[Operand]], graph: Graph) -> list[Node]:
-    """Return the alternative that takes the least time, by its operations.
+def cost(results: Iterable[Node]) -> int:
+    """Return the time that results take, in additions."""
+    ops = count(schedule(results))
+    return sum(ops[op] * weight for op, weight in WEIGHTS.items())
 
-    Of those with the fewest run-time parameters: what else there is of them cancels.
+
+def price(results: Sequence[Node]) -> tuple[int, int]:
+    """Return the number of run-time parameters that results depend on, and their cost.
+
+    Of ways to compute the same, those with fewer parameters come first: what else there is of them
+    cancels.
     """
+    has_parameters = any(x.graph.has_parameters for x in results[:1])
+    return len(parameters_of(results)) if has_parameters else 0, cost(results)
 
-    def cost(results: Sequence[Node]) -> tuple[int, int]:
-        ops = count(schedule(results))
-        parameters = len(parameters_of(results)) if graph.has_parameters else 0
-        return parameters, sum(ops[op] * weight for op, weight in WEIGHTS.items())
 
-    return min(([graph.constant(x) for x in results] for results in alternatives), key=cost)
+def fewest(alternatives: Iterable[Sequence[Operand]], graph: Graph) -> list[Node]:
+    """Return the alternative of the lowest price."""
+    return min(([graph.constant(x) for x in results] for results in alternatives), key=price)
 
 
 def constant_value(x: Any) -> Any:

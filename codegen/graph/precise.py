@@ -42,10 +42,14 @@ def evaluate(results: Sequence[Node], inputs: Mapping[Node, Any]) -> list[Any]:
         return mpmath.mpf(exact.numerator) / exact.denominator
 
     for node in schedule(results):
-        name = node.value if node.op == "call" else node.op
-        function = _OPERATIONS.get(name) or getattr(mpmath, name)
-        values[node] = function(*map(value, node.args))
+        values[node] = operation(node)(*map(value, node.args))
     return [value(node) for node in results]
+
+
+def operation(node: Node) -> Callable[..., Any]:
+    """Return what a node does to its operands, which are numbers of mpmath's."""
+    name = node.value if node.op == "call" else node.op
+    return _OPERATIONS.get(name) or getattr(mpmath, name)
 
 
 def vanishing(nodes: Iterable[Node]) -> set[Node]:
@@ -58,7 +62,7 @@ def vanishing(nodes: Iterable[Node]) -> set[Node]:
     rng = random.Random(0)  # noqa: S311 - the same every time
     with mpmath.workdps(DIGITS):
         for _ in range(2):
-            inputs = {x: mpmath.mpf(rng.uniform(0.5, 1.5)) for x in _inputs_of(unsure)}
+            inputs = {x: mpmath.mpf(rng.uniform(0.5, 1.5)) for x in inputs_of(unsure)}
             try:
                 values = evaluate(unsure, inputs)
             except (ArithmeticError, TypeError, ValueError):  # a formula that has no value there
@@ -67,7 +71,8 @@ def vanishing(nodes: Iterable[Node]) -> set[Node]:
     return set(unsure)
 
 
-def _inputs_of(results: Sequence[Node]) -> list[Node]:
+def inputs_of(results: Sequence[Node]) -> list[Node]:
+    """Return the inputs that results depend on."""
     operands = (a for node in schedule(results) for a in node.args)
     return sorted(
         {x for x in (*results, *operands) if x.op == "input"}, key=lambda node: node.index

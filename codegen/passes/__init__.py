@@ -2,16 +2,19 @@
 
 frames   where frames are, how they are turned, and the unit of length
 reduce   base inertial parameters
-factor   common factors of sums
+factor   common factors of a sum
+share    common divisors of several sums
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from enum import Enum
 from itertools import chain
 
 from moro.algorithms.posture import Posture
+from moro_codegen.graph.nodes import Node, cost
+from moro_codegen.passes.factor import factored
 from moro_codegen.passes.frames import (
     along_common_normals,
     common_normals,
@@ -22,6 +25,7 @@ from moro_codegen.passes.frames import (
     unturned,
 )
 from moro_codegen.passes.reduce import reduced
+from moro_codegen.passes.share import shared
 
 
 class Pass(Enum):
@@ -35,10 +39,16 @@ class Pass(Enum):
     LAST_LINKS = "last links not turned"
     PARALLEL_AXES = "parallel axes summed"
     COMMON_FACTORS = "common factors"
+    COMMON_DIVISORS = "common divisors"
+    CLOSED_FORMS = "closed forms"
 
 
 #: all of them, in order
 PASSES = tuple(Pass)
+
+#: pairs of terms among which common divisors are looked for: so many take about a second, and a
+#: tenth of it; with more than a few it is done only once
+MOST_PAIRS, FEW_PAIRS = 12_000, 1_200
 
 
 def equivalent_postures(arm: Posture, passes: Collection[Pass] = PASSES) -> Iterator[Posture]:
@@ -60,6 +70,29 @@ def rearranged(arm: Posture, passes: Collection[Pass] = PASSES) -> Iterator[Post
     yield from arms
     if Pass.PARALLEL_AXES in passes:
         yield from (unturned(placed, turnable_parallels(placed)) for placed in arms)
+
+
+def lighter(results: Sequence[Node], passes: Collection[Pass] = PASSES) -> list[Node]:
+    """Return the same values with the commonest factors and divisors taken out of sums, at once."""
+    factor = factored if Pass.COMMON_FACTORS in passes else list
+    first = factor(results)
+    return list(factor(shared(first, MOST_PAIRS)) if Pass.COMMON_DIVISORS in passes else first)
+
+
+def condensed(results: Sequence[Node], passes: Collection[Pass] = PASSES) -> list[Node]:
+    """Return the same values with common factors and divisors taken out of sums.
+
+    In turns, as long as that saves something.
+    """
+    factor = factored if Pass.COMMON_FACTORS in passes else list
+    results = list(factor(results))
+    if Pass.COMMON_DIVISORS in passes:
+        for most in (MOST_PAIRS, FEW_PAIRS, FEW_PAIRS):
+            shorter = list(factor(shared(results, most)))
+            if cost(shorter) >= cost(results):
+                break
+            results = shorter
+    return results
 
 
 def _turned(arm: Posture, passes: Collection[Pass]) -> Iterator[Posture]:

@@ -6,11 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from moro_codegen.graph.nodes import Graph, Node, schedule
-
-#: a product, as its factors, with its sign
-Term = tuple[int, list[Node]]
-
-SUMS = ("add", "sub", "neg")
+from moro_codegen.passes.sums import SUMS, Sums, Term
 
 
 def factored(results: Sequence[Node]) -> tuple[Node, ...]:
@@ -20,47 +16,15 @@ def factored(results: Sequence[Node]) -> tuple[Node, ...]:
     factor that several of them share saves operations, it is taken out; constants that meet fold.
     """
     order = schedule(results)
-    uses = Counter(operand for node in order for operand in node.args)
-    uses.update(results)
-    # what is used once, by a sum or as a factor of a product, is a part of that
-    parts = {
-        operand
-        for node in order
-        if node.op in SUMS or node.op == "mul"
-        for operand in node.args
-        if uses[operand] == 1 and (operand.op == "mul" or node.op in SUMS)
-    }
+    sums = Sums(order, results)
     new: dict[Node, Node] = {}
     for node in order:
         shorter = None
-        if node.op in SUMS and node not in parts:
-            shorter = _factored_sum(node.graph, _terms(node, parts, new))
+        if node.op in SUMS and node not in sums.parts:
+            terms = [(sign, [new.get(x, x) for x in factors]) for sign, factors in sums.terms(node)]
+            shorter = _factored_sum(node.graph, terms)
         new[node] = shorter or node.graph.remake(node, [new.get(a, a) for a in node.args])
     return tuple(new.get(node, node) for node in results)
-
-
-def _terms(node: Node, parts: set[Node], new: dict[Node, Node]) -> list[Term]:
-    """Return the products that make up a sum."""
-    terms: list[Term] = []
-    stack = [(1, node)]
-    while stack:
-        sign, item = stack.pop()
-        if item.op in SUMS and (item is node or item in parts):
-            if item.op == "neg":
-                stack.append((-sign, item.args[0]))
-            else:
-                stack.append((sign if item.op == "add" else -sign, item.args[1]))
-                stack.append((sign, item.args[0]))
-        else:
-            terms.append((sign, _factors(item, parts, new)))
-    return terms
-
-
-def _factors(node: Node, parts: set[Node], new: dict[Node, Node]) -> list[Node]:
-    """Return the factors that make up a product."""
-    if node.op != "mul" or node not in parts:
-        return [new.get(node, node)]
-    return [factor for operand in node.args for factor in _factors(operand, parts, new)]
 
 
 def _factored_sum(graph: Graph, terms: list[Term]) -> Node | None:

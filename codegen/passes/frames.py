@@ -31,6 +31,8 @@ from moro_codegen.graph.nodes import Constant, constant_value
 
 #: below this sine squared of the angle between two axes, their common normal is too far away
 NEARLY_PARALLEL = 1e-3
+#: so many frames that are not on common normals are tried one by one
+FEW = 4
 #: angles below this are rounding [rad]
 _NOTHING = 1e-15
 
@@ -133,22 +135,38 @@ def _shifted(link: PosedLink, by: float) -> PosedLink:
 
 
 def common_normals(arm: Posture) -> Iterator[Posture]:
-    """Yield the arm with frames on common normals: those that constants lead to, then all."""
+    """Yield the arm with frames on common normals: those that constants lead to, then all.
+
+    Where only a few are not there as they are given, also with each of these as it is given, and
+    with all of them: that may have the lengths that are 0 or 1.
+    """
     moved = on_common_normals(arm)
     yield moved
-    if has_parameters(arm) and (further := on_common_normals(arm, parameters=True)) != moved:
-        yield further
+    if has_parameters(arm):
+        if (further := on_common_normals(arm, parameters=True)) != moved:
+            yield further
+        return
+    pairs = zip(arm.links, moved.links, strict=True)
+    changed = [i for i, (link, other) in enumerate(pairs) if link.p != other.p]
+    if 0 < len(changed) <= FEW:
+        stay = [{i} for i in changed] if len(changed) > 1 else []
+        for still in (*stay, set(changed)):
+            if (other := on_common_normals(arm, still=still)) != moved:
+                yield other
 
 
-def on_common_normals(arm: Posture, parameters: bool = False) -> Posture:
+def on_common_normals(
+    arm: Posture, parameters: bool = False, still: Collection[int] = ()
+) -> Posture:
     """Return the arm with every frame's origin on the common normal with its parent's axis.
 
     Where the way there is a run-time parameter, a frame is moved only if ``parameters`` allow it.
+    The frames of links that are ``still`` stay where they are.
     """
     links = list(arm.links)
     for i, children in enumerate(arm.children):
         link = links[i]
-        if not link.type.fixes_axis or link.parent < 0:
+        if not link.type.fixes_axis or link.parent < 0 or i in still:
             continue
         shift = _to_common_normal(link, parameters)
         if constant_value(shift) != 0:

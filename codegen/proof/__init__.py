@@ -2,6 +2,7 @@
 
 at_states        the formulas of the texts at states, as arrays
 symbolic_route   what results must be at states
-verification     a kernel against the symbolic route
+by_recursion     what results must be that closed forms made
+verification     a kernel against the route that it was not made by
 accuracy         a kernel against 50 digits
 """

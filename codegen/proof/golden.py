@@ -17,6 +17,7 @@ from moro_codegen.backends import numpy
 from moro_codegen.functions.arguments import Argument
 from moro_codegen.functions.own import UserFunction
 from moro_codegen.program import Program
+from moro_codegen.proof.by_recursion import recursively
 from moro_codegen.proof.expected import CHOSEN, ExpectedDynamics, own_name, scales
 from moro_codegen.proof.results import EXPECTED, REGRESSED
 from moro_codegen.proof.symbolic_route import Array, SymbolicRoute, spread
@@ -25,6 +26,7 @@ from moro_codegen.proof.verification import (
     by_expression,
     for_kernel,
     frame_of,
+    others,
     parameter_values,
     rounded,
     states_of,
@@ -178,7 +180,8 @@ class _Work:
         """Return the results of a part, the ``first`` of which has that index; None: not known."""
         if part.name in EXPECTED:
             known = EXPECTED[part.name]
-            results = known.results(x, *frame_of(part, x.model))
+            other, _ = next(others(part, x, recursively(x)))
+            results = known.results(other, *frame_of(part, x.model))
             return _compared(arguments, results, x.lost if known.inverting else scales)
         if part.name in REGRESSED and len(arguments) == 2:
             (product,) = EXPECTED[REGRESSED[part.name]].results(x)

@@ -1,4 +1,7 @@
-"""A kernel against the symbolic route: the same states through both, and the largest difference."""
+"""A kernel against the route it was not made by: the same states, and the largest difference.
+
+What recursions made is compared with the symbolic route, closed forms with recursions.
+"""
 
 from __future__ import annotations
 
@@ -18,6 +21,7 @@ from moro_codegen.functions.catalogue import KNOWN
 from moro_codegen.functions.own import Formula, Scope, UserFunction
 from moro_codegen.kernel.kernel import Kernel
 from moro_codegen.progress import shown, tell
+from moro_codegen.proof.by_recursion import RecursiveDynamics, recursively
 from moro_codegen.proof.expected import ExpectedDynamics, applied, evaluated, scales
 from moro_codegen.proof.results import EXPECTED, REGRESSED
 from moro_codegen.proof.symbolic_route import STATES_LIMIT, Array, SymbolicRoute, spread
@@ -133,8 +137,9 @@ class Verification:
     q: Array
     qd: Array
     qdd: Array
-    #: "closed form", or "formulas evaluated at the states" where that would take too long
-    route: str
+    #: what each function was compared with: "closed form", or "formulas evaluated at the states"
+    #: where that would take too long; "recursion" if the kernel's was made from the closed form
+    routes: Mapping[str, str]
     #: functions that have no symbolic counterpart here
     unchecked: tuple[str, ...] = field(default=())
     #: the largest error that passes, ``TOLERANCES`` of the kernel's type
@@ -144,6 +149,11 @@ class Verification:
     singular: Array = field(default_factory=lambda: np.empty((0, 0)))
     #: states that were left out because the formulas at them would have taken too long
     left_out: int = 0
+
+    @property
+    def route(self) -> str:
+        """What the kernel was compared with, in words: all that its functions were."""
+        return " and ".join(dict.fromkeys(self.routes.values()))
 
     @property
     def max_errors(self) -> dict[str, float]:
@@ -199,7 +209,10 @@ def verify(
     route: SymbolicRoute | None = None,
     functions: Sequence[UserFunction] = (),
 ) -> Verification:
-    """Compare every function of a kernel with the symbolic route.
+    """Compare every function of a kernel with the route that it was not made by.
+
+    What recursions made is compared with the symbolic route, and what was made from a closed form
+    with the recursions, evaluated by NumPy.
 
     tau with M qdd + C qd + G + friction, and so on. Forward dynamics, and its derivatives, are put
     into the equations of motion; derivatives of tau are compared, at a few states, with
@@ -228,8 +241,10 @@ def verify(
     chosen = spread(total, route.affordable(state[0], parameters, STATES_LIMIT))
     q, qd, qdd = (x[chosen] for x in state)
     expected = ExpectedDynamics(route, q, qd, qdd, parameters, float(np.finfo(dtype).eps))
+    recursive = recursively(expected)
     own = {function.name: function for function in functions}
     errors, unchecked = dict[str, Array](), dict[str, None]()
+    routes = dict[str, dict[str, None]]()
     inverting = False
     for name in kernel.signatures:
         tell(f"comparing {name} with the equations")
@@ -237,10 +252,13 @@ def verify(
         with np.errstate(all="ignore"):  # what is infinite or NaN shows in the errors
             for part, results in _results(kernel, name, expected):
                 if part.name in CHECKS:
-                    pairs += CHECKS[part.name](expected, *frame_of(part, model), *results)
+                    for x, against in others(part, expected, recursive):
+                        pairs += CHECKS[part.name](x, *frame_of(part, model), *results)
+                        routes.setdefault(name, {})[against] = None
                     inverting |= part.name in INVERTING
                 elif part.name in own:
                     pairs += _by_expression(own[part.name], kernel, expected, results)
+                    routes.setdefault(name, {})["expressions"] = None
                 else:
                     unchecked[part.name] = None
             if pairs:
@@ -251,7 +269,7 @@ def verify(
         q,
         qd,
         qdd,
-        route.name,
+        {name: ", ".join(found) for name, found in routes.items()},
         tuple(unchecked),
         TOLERANCES[dtype],
         q[~expected.regular] if inverting else q[:0],
@@ -285,6 +303,16 @@ def _results(kernel: Kernel, name: str, x: ExpectedDynamics) -> Iterator[tuple[P
     results = iter(found if len(signature.outputs) > 1 else (found,))
     for part in signature.parts:
         yield part, [next(results) for _ in range(part.outputs)]
+
+
+def others(
+    part: Part, symbolic: ExpectedDynamics, recursive: RecursiveDynamics
+) -> Iterator[tuple[ExpectedDynamics, str]]:
+    """Yield what results must be by the routes that a part was not made by, and their names."""
+    if "closed form" in part.route:
+        yield recursive, "recursion"
+    if part.route != "closed form":
+        yield symbolic, symbolic.route.name
 
 
 def frame_of(part: Part, model: Model) -> list[Frame]:

@@ -111,6 +111,7 @@ class Trig:
         short, long = self.terms, other.terms
         if len(short) > len(long):
             short, long = long, short
+        self.ring.spend(len(short) * len(long))
         if len(short) == 1:
             ((m0, c0),) = short.items()
             product = {m + m0: c * c0 for m, c in long.items()}
@@ -154,11 +155,13 @@ class TrigRing:
 
     ``declare_angles`` comes first: it says which sums of joint variables are the basic angles.
     With a ``time_limit`` [s, of this thread on its processor, so that a busy machine gives the
-    same], arithmetic that goes on for longer raises TimeoutError.
+    same], arithmetic that goes on for longer raises TimeoutError; after ``allow``, what takes more
+    products of terms does.
     """
 
     def __init__(self, time_limit: float = float("inf")) -> None:
         self._deadline = thread_time() + time_limit
+        self._products_left = float("inf")
         self.zero = Trig(self, {})
         self.one = Trig(self, {0: 1})
         self.half = Fraction(1, 2)
@@ -183,6 +186,16 @@ class TrigRing:
         self._slopes: dict[Any, dict[Any, Any]] = {}  # variable -> {angle: its derivative}
         # joint variable -> {multiple that is not whole: the sum [(multiple, times)] that it is}
         self._parts: dict[Any, dict[Any, list[tuple[Any, int]]]] = {}
+
+    def allow(self, products: float) -> None:
+        """Let arithmetic from now on take so many products of terms: the same on any machine."""
+        self._products_left = products
+
+    def spend(self, products: int) -> None:
+        """Count products of terms. Raise TimeoutError if there have been more than allowed."""
+        self._products_left -= products
+        if self._products_left < 0:
+            raise TimeoutError("the closed form takes more products than allowed")
 
     # -- generators -------------------------------------------------------------------------------
 

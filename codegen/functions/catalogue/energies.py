@@ -17,11 +17,18 @@ P = Argument("P", (), "J", "potential energy, zero at the origin of frame 0")
 
 def _kinetic_energy(system: System, q: Sequence[Node], qd: Sequence[Node]) -> Outputs:
     rotors = system.rotors
-    return [system.dynamics(system.posture(q), lambda arm: [energy_of_motion(arm, rotors, qd)])]
+    return [
+        system.dynamics(
+            system.posture(q),
+            lambda arm: [energy_of_motion(arm, rotors, qd)],
+            closed_form=system.closed_form("kinetic_energy", q, qd),
+        )
+    ]
 
 
 def _potential_energy(system: System, q: Sequence[Node]) -> Outputs:
-    (gravity,) = system.geometry(q, lambda arm: [energy_of_position(arm)])
+    closed = system.closed_form("potential_energy", q)
+    (gravity,) = system.geometry(q, lambda arm: [energy_of_position(arm)], closed)
     return [[gravity + spring_energy(system.model, q)]]
 
 

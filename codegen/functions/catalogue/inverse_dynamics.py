@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from moro.algorithms.drives import spring_torques
 from moro.algorithms.external_wrench import joint_torques_in_contact
+from moro.algorithms.gravity import gravity_torques
 from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import Posture
 from moro.algorithms.reference_motion import coriolis_product, reference_torques
@@ -29,7 +30,10 @@ from moro_codegen.graph.nodes import Node
 
 
 def _tau(system: System, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]) -> Outputs:
-    tau = system.dynamics(system.posture(q), lambda arm: joint_torques(arm, qd, qdd))
+    closed = system.closed_form("tau", q, qd, qdd)
+    tau = system.dynamics(
+        system.posture(q), lambda arm: joint_torques(arm, qd, qdd), closed_form=closed
+    )
     return [sum_of(tau, system.drives(q, qd, qdd))]
 
 
@@ -49,13 +53,22 @@ def _tau_with_wrench(
 
 def _bias(system: System, q: Sequence[Node], qd: Sequence[Node]) -> Outputs:
     still = [0] * system.model.nv
-    bias = system.dynamics(system.posture(q), lambda arm: joint_torques(arm, qd, still))
+    closed = system.closed_form("bias", q, qd)
+    bias = system.dynamics(
+        system.posture(q), lambda arm: joint_torques(arm, qd, still), closed_form=closed
+    )
     return [sum_of(bias, system.drives(q, qd, still))]
 
 
 def _gravity_vector(system: System, q: Sequence[Node]) -> Outputs:
     still = [0] * system.model.nv
-    gravity = system.dynamics(system.posture(q), lambda arm: joint_torques(arm, still, still))
+    closed = system.closed_form("gravity_vector", q)
+    gravity = system.dynamics(
+        system.posture(q),
+        gravity_torques,
+        lambda arm: joint_torques(arm, still, still),
+        closed_form=closed,
+    )
     return [sum_of(gravity, spring_torques(system.model, q))]
 
 

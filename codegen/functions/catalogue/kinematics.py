@@ -29,11 +29,13 @@ def _forward_kinematics(system: System, q: Sequence[Node]) -> Outputs:
         rows = [(*row, x) for row, x in zip(tip.R, tip.p, strict=True)]
         return flat([*rows, (0, 0, 0, 1)])
 
-    return [system.geometry(q, pose)]
+    closed = system.closed_form("pose", q)
+    return [system.geometry(q, pose, closed)]
 
 
 def _jacobian(system: System, q: Sequence[Node]) -> Outputs:
-    return [system.geometry(q, lambda arm: flat(frame_jacobian(arm)))]
+    closed = system.closed_form("jacobian", q)
+    return [system.geometry(q, lambda arm: flat(frame_jacobian(arm)), closed)]
 
 
 def _jacobian_rate(system: System, q: Sequence[Node], qd: Sequence[Node]) -> Outputs:

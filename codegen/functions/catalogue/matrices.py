@@ -19,11 +19,21 @@ from moro_codegen.graph.nodes import Node
 
 def _inertia_matrix(system: System, q: Sequence[Node]) -> Outputs:
     rotors = system.rotors
-    return [system.dynamics(system.posture(q), lambda arm: flat(joint_inertia(arm, rotors)))]
+    closed = system.closed_form("inertia_matrix", q)
+    return [
+        system.dynamics(
+            system.posture(q), lambda arm: flat(joint_inertia(arm, rotors)), closed_form=closed
+        )
+    ]
 
 
 def _coriolis_matrix(system: System, q: Sequence[Node], qd: Sequence[Node]) -> Outputs:
-    return [system.dynamics(system.posture(q), lambda arm: flat(joint_coriolis(arm, qd)))]
+    closed = system.closed_form("coriolis_matrix", q, qd)
+    return [
+        system.dynamics(
+            system.posture(q), lambda arm: flat(joint_coriolis(arm, qd)), closed_form=closed
+        )
+    ]
 
 
 def _inertia_matrix_rate(system: System, q: Sequence[Node], qd: Sequence[Node]) -> Outputs:

@@ -226,7 +226,8 @@ def test_together(backend, tmp_path):
     np.testing.assert_allclose(M, kernel.inertia_matrix(q), rtol=1e-13, atol=1e-13)
     ops = {name: sum(counts.values()) for name, counts in kernel.ops.items()}
     assert ops["tau_inertia_matrix"] < ops["tau"] + ops["inertia_matrix"]
-    assert kernel.ops["tau_inertia_matrix"]["sincos"] == kernel.ops["tau"]["sincos"]
+    sincos = {name: counts["sincos"] for name, counts in kernel.ops.items()}
+    assert sincos["tau_inertia_matrix"] <= max(sincos["tau"], sincos["inertia_matrix"])
     assert "tau, inertia_matrix" in kernel.tau_inertia_matrix.__doc__
 
 

@@ -9,7 +9,7 @@ import sympy as sp
 from exact import exact_values, rational
 
 from moro_codegen.graph.from_sympy import Converter
-from moro_codegen.graph.nodes import Graph, constant_value, count, fewest, schedule
+from moro_codegen.graph.nodes import Graph, constant_value, cost, count, fewest, schedule
 from moro_codegen.passes.factor import factored
 
 
@@ -139,6 +139,7 @@ def test_count(graph, abc):
 
 def test_fewest(graph, abc):
     a, b, c = abc
+    assert cost([a * c + b * c]) == 3 > cost([(a + b) * c]) == 2
     assert fewest([[a * c + b * c], [(a + b) * c]], graph) == [(a + b) * c]
     assert fewest([[graph.sin(a)], [a * b + c * c]], graph) == [a * b + c * c]
 

@@ -115,7 +115,7 @@ def test_a_kernel_without_friction_or_rotors_is_found_out(quantity, folder):
 def test_nan_does_not_pass():
     error = np.array([0.0, np.nan])
     state = np.zeros((2, 1))
-    verification = mc.Verification("x", {"tau": error}, state, state, state, "closed form")
+    verification = mc.Verification("x", {"tau": error}, state, state, state, {"tau": "closed form"})
     assert not verification.passed
     assert np.isnan(verification.max_error)
 
