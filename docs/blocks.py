@@ -114,6 +114,26 @@ def operations(kind: str) -> str:
     )
 
 
+def of_functions() -> str:
+    """Return the operations of functions: sum by sum, what sums share once, closed forms."""
+    found = _results("operations")["functions"]
+    return _table(
+        ("", *next(iter(found.values()))),
+        (
+            (f"`{name}`", *(" → ".join(f"{n} + {k}" for n, k in ways) for ways in arms.values()))
+            for name, arms in found.items()
+        ),
+    )
+
+
+def beside_symoro() -> str:
+    """Return the operations of the KUKA LWR's functions, moro's and Symoro+'s."""
+    found = _results("operations")["kuka_lwr"]
+    return _table(
+        ("", "moro", "Symoro+"), ((f"`{name}`", *map(str, pair)) for name, pair in found.items())
+    )
+
+
 def accuracy() -> str:
     """Return the errors of tau, relative to the largest torque of a state."""
     rows = [
@@ -279,6 +299,8 @@ NAMES = {
         functions,
         arguments,
         operations,
+        of_functions,
+        beside_symoro,
         accuracy,
         growth,
         reached,

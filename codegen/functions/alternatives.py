@@ -31,6 +31,8 @@ ClosedForms: TypeAlias = Callable[[int], Iterable[list[Node]]]
 #: of the recursions, the cheapest few are looked at again without what their sums share, if they
 #: take no more than so much longer than the first
 FINALISTS, BEHIND = 3, 1.03
+#: what takes longer is taken from the cheapest recursion as it is: no closed form is shorter
+LONG = 2000
 #: pairs of terms, for each operation of the recursion, with which closed forms still are shorter
 PAIRS = 20
 
@@ -52,6 +54,8 @@ def cheapest(
     found = [[graph.constant(x) for x in results] for results in recursions]
     prices = [*map(price, found)]
     least = min(prices)
+    if least[1] > LONG:
+        return Alternative(Route.RECURSION, found[prices.index(least)])
     first = sorted(zip(prices, found, strict=True), key=itemgetter(0))[:FINALISTS]
     near = [x for (parameters, time), x in first if (parameters, time / BEHIND) <= least]
     best = min((lighter(x, passes) for x in near), key=price)

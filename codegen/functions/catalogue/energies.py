@@ -39,7 +39,7 @@ FUNCTIONS = (
         (K,),
         "Kinetic energy 1/2 qd^T M(q) qd, with that of the rotors.",
         _kinetic_energy,
-        "velocities from the base to the tip",
+        "velocities from the base to the tip; or the closed form",
     ),
     Function(
         "potential_energy",
@@ -47,6 +47,6 @@ FUNCTIONS = (
         (P,),
         "Potential energy P(q): minus the sum of m_i g . r_Ci.",
         _potential_energy,
-        "heights of the centres of mass, from the tip to the base",
+        "heights of the centres of mass, from the tip to the base; or the closed form",
     ),
 )

@@ -99,7 +99,7 @@ FUNCTIONS = (
         (TAU,),
         "Inverse dynamics: M(q) qdd + C(q, qd) qd + G(q), with rotor inertia and friction.",
         _tau,
-        "recursive Newton-Euler",
+        "recursive Newton-Euler; or the closed form",
     ),
     Function(
         "tau_with_wrench",
@@ -117,7 +117,7 @@ FUNCTIONS = (
         (Argument("bias", ("n",), "N m or N", "torques (forces) for zero acceleration"),),
         "What tau is without joint accelerations: C(q, qd) qd + G(q), with friction.",
         _bias,
-        "recursive Newton-Euler for qdd = 0",
+        "recursive Newton-Euler for qdd = 0; or the closed form",
     ),
     Function(
         "gravity_vector",
@@ -125,7 +125,7 @@ FUNCTIONS = (
         (G,),
         "Gravity vector G(q), the gradient of P.",
         _gravity_vector,
-        "recursive Newton-Euler at rest",
+        "first moments of what each joint carries; Newton-Euler at rest; or the closed form",
     ),
     Function(
         "tau_passivity",

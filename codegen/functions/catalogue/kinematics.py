@@ -98,7 +98,7 @@ FUNCTIONS = (
         (T,),
         f"Forward kinematics: the pose of {LAST}.",
         _forward_kinematics,
-        "product of the transforms",
+        "product of the transforms; or the closed form",
         frame="",
     ),
     Function(
@@ -107,7 +107,7 @@ FUNCTIONS = (
         (J,),
         f"Jacobian of {LAST}: velocity of its origin, angular velocity.",
         _jacobian,
-        "joint axes, and the way from each to the frame",
+        "joint axes, and the way from each to the frame; or the closed form",
         frame="",
     ),
     Function(

@@ -66,7 +66,7 @@ FUNCTIONS = (
         (M,),
         "Inertia matrix M(q), rotor inertias on its diagonal.",
         _inertia_matrix,
-        "composite rigid bodies",
+        "composite rigid bodies; or the closed form",
     ),
     Function(
         "coriolis_matrix",
@@ -74,7 +74,7 @@ FUNCTIONS = (
         (C,),
         "Coriolis matrix C(q, qd) of the Christoffel symbols: dM/dt - 2 C is skew-symmetric.",
         _coriolis_matrix,
-        "recursion over composite bodies, of the Christoffel symbols",
+        "recursion over composite bodies, of the Christoffel symbols; or the closed form",
     ),
     Function(
         "inertia_matrix_rate",

@@ -19,7 +19,7 @@ def test_whole_job(tmp_path):
     for row in (
         "joints                    6   RRRRRR",
         "operations              309   ",
-        "                         45   of these for friction and rotor inertia",
+        "                         44   of these for friction and rotor inertia",
         "time to derive",
         "time to generate",
         "time to compile",
