@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 
-from moro.scalars.trig import Coefficient, Monomial, TrigRing
+from moro.scalars.relations import Coefficient, Monomial
+from moro.scalars.trig import TrigRing
 from moro_codegen.graph.from_sympy import Converter
 from moro_codegen.graph.nodes import Constant, Node
 
