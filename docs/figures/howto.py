@@ -69,7 +69,7 @@ def contact(x: dict[str, Any]) -> Figure:
 def simulation(x: dict[str, Any]) -> Figure:
     """Draw the angle of the second link of all pendulums."""
     figure, (axes,) = _axes(1, 6.4, 3.2)
-    angles = x["paths"][::8, ::2, 1]
+    angles = x["paths"][::2, ::8, 1].T
     shades = mpl.colors.LinearSegmentedColormap.from_list("shades", [LINK, _PALE, JOINT])
     for k, path in enumerate(angles.T):
         axes.plot(np.arange(len(path)) * 0.02, path, color=shades(k / angles.shape[1]), lw=0.6)
