@@ -1,18 +1,25 @@
-"""First derivatives of inverse and forward dynamics."""
+"""First derivatives of inverse and forward dynamics.
+
+C(q, qd) qd is quadratic in qd, with Christoffel's c_ijk = c_ikj, so its derivatives by qd are 2 C:
+a candidate beside the graph of tau differentiated, by which those by q are found.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TypeAlias
 
 from moro.algorithms.composite_rigid_body import joint_inertia
-from moro.algorithms.factorization import factorized, solution
+from moro.algorithms.coriolis import joint_coriolis
+from moro.algorithms.factorization import factorized, inverse, solution
 from moro.algorithms.posture import Posture
 from moro.spatial.vectors import Scalar
 from moro_codegen.functions.arguments import QD, QDD, TAU, Argument, M, Q
 from moro_codegen.functions.catalogue.products import caused_by, torques
 from moro_codegen.functions.function import Function, Outputs
-from moro_codegen.functions.system import System, flat, parts
-from moro_codegen.graph.derivatives import jacobian
+from moro_codegen.functions.system import Algorithm, System, flat, parts
+from moro_codegen.graph.derivatives import directional, jacobian
 from moro_codegen.graph.nodes import Node, replaced
 
 TAU_BY_Q = Argument("dtau_dq", ("n", "n"), "N m/rad to N/m", "d tau_i/d q_j")
@@ -25,10 +32,11 @@ QDD_BY_TAU = Argument("dqdd_dtau", ("n", "n"), "1/(kg m^2) to 1/kg", "d qdd_i/d 
 def _tau_derivatives(
     system: System, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]
 ) -> Outputs:
-    def derivatives(arm: Posture) -> Sequence[Scalar]:
-        return flat((*_slopes(system, arm, q, qd, qdd), flat(joint_inertia(arm, system.rotors))))
+    def derivatives(slopes: Slopes, arm: Posture) -> Sequence[Scalar]:
+        by_q, by_qd = slopes(system, arm, q, qd, qdd)
+        return flat((by_q, by_qd, flat(joint_inertia(arm, system.rotors))))
 
-    return parts(system.dynamics(system.posture(q), derivatives), 3)
+    return parts(system.dynamics(system.posture(q), *_each(derivatives)), 3)
 
 
 def _forward_dynamics_derivatives(
@@ -36,26 +44,42 @@ def _forward_dynamics_derivatives(
 ) -> Outputs:
     caused, qdd = caused_by(system, q, qd, tau)
 
-    def derivatives(arm: Posture) -> Sequence[Scalar]:
+    def derivatives(slopes: Slopes, arm: Posture) -> Sequence[Scalar]:
         """M dqdd = dtau - (dtau/dq) dq - (dtau/dqd) dqd, for the qdd that tau causes."""
         n, factors = len(q), factorized(joint_inertia(arm, system.rotors), arm)
-        by_q, by_qd = _slopes(system, arm, q, qd, qdd)
-        by_tau = [system.graph.constant(int(i == j)) for i in range(n) for j in range(n)]
-        slopes = []
-        for block in ([-x for x in by_q], [-x for x in by_qd], by_tau):
-            columns = [solution(factors, block[j::n]) for j in range(n)]
-            slopes += [system.graph.constant(x) for row in zip(*columns, strict=True) for x in row]
-        return replaced(slopes, caused)
+        found: list[Scalar] = []
+        for block in slopes(system, arm, q, qd, qdd):
+            columns = [solution(factors, [-x for x in block[j::n]]) for j in range(n)]
+            found += flat(zip(*columns, strict=True))
+        return replaced(system.nodes([*found, *flat(inverse(factors))]), caused)
 
-    return parts(system.dynamics(system.posture(q), derivatives), 3)
+    return parts(system.dynamics(system.posture(q), *_each(derivatives)), 3)
 
 
-def _slopes(
+#: returns d tau/dq and d tau/dqd, flat
+Slopes: TypeAlias = Callable[..., "tuple[list[Node], list[Node]]"]
+
+
+def _each(derivatives: Callable[[Slopes, Posture], Sequence[Scalar]]) -> list[Algorithm]:
+    return [partial(derivatives, slopes) for slopes in (_by_coriolis, _by_differentiation)]
+
+
+def _by_differentiation(
     system: System, arm: Posture, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]
 ) -> tuple[list[Node], list[Node]]:
-    """Return d tau/dq and d tau/dqd, flat."""
     tau = torques(system, arm, q, qd, qdd)
     return flat(jacobian(tau, q)), flat(jacobian(tau, qd))
+
+
+def _by_coriolis(
+    system: System, arm: Posture, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]
+) -> tuple[list[Node], list[Node]]:
+    n, friction = len(q), system.nodes(system.drives(q, qd, qdd))
+    slopes = flat(joint_coriolis(arm, [2 * rate for rate in qd]))
+    for j in range(n):
+        (slope,) = directional([friction[j]], {qd[j]: system.graph.one})
+        slopes[j * (n + 1)] = slopes[j * (n + 1)] + slope
+    return flat(jacobian(torques(system, arm, q, qd, qdd), q)), system.nodes(slopes)
 
 
 FUNCTIONS = (
@@ -66,7 +90,7 @@ FUNCTIONS = (
         "Derivatives of tau with respect to q, qd and qdd (that is M); Coulomb friction, which "
         "jumps, has none.",
         _tau_derivatives,
-        "the graph of tau differentiated; M by composite rigid bodies",
+        "the graph of tau differentiated by q, and by qd or 2 C; M by composite rigid bodies",
     ),
     Function(
         "forward_dynamics_derivatives",
