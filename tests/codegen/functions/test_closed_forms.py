@@ -47,7 +47,7 @@ def test_operations(name):
 
 def models():
     rng = np.random.default_rng(3)
-    yield from (reference_model(name) for name in ("two_link", "puma560", "ur5"))
+    yield from (reference_model(name) for name in ("two_link", "puma560"))
     yield from (random_model(rng, n) for n in (2, 3))
 
 
