@@ -197,6 +197,23 @@ def measured_on() -> str:
     return f"Measured on one core of an {processor}, beside {peers}, on {results['when'][:10]}.\n"
 
 
+def out_of_core() -> str:
+    """Return how many samples go through kernels from file to file, and where that was measured."""
+    results = _results("out_of_core")
+    rates = results["rates"]
+    table = _table(
+        ("million samples a second", *next(iter(rates.values()))),
+        ((way, *(f"{rate / 1e6:.1f}" for rate in found.values())) for way, found in rates.items()),
+    )
+    machine = results["machine"]
+    processor = _plain(machine["processor"])
+    return (
+        f"{table}({machine['cores']} cores of an {processor}, {results['samples'] / 1e6:g} million "
+        f"states of the PUMA 560, on {results['when'][:10]}; "
+        f"{results['load']:.0f} others wanted the processor.)\n"
+    )
+
+
 def growth() -> str:
     """Return operations of tau, and the time to generate it, by number of joints."""
     return _table(
@@ -306,6 +323,7 @@ NAMES = {
         reached,
         faster,
         measured_on,
+        out_of_core,
         symbolic,
         embedded,
         embedded_targets,

@@ -1,10 +1,8 @@
 """The functions of a kernel for JAX, on the CPU: compiled code that XLA calls, with derivatives.
 
 A handler of XLA's foreign function interface hands the arrays of all samples to the kernel's loop,
-so that ``jax.vmap`` and ``jax.jit`` cost nothing. Derivatives are those of the kernel's own
-functions: ``tau`` and ``bias`` have theirs from ``tau_derivatives``, ``forward_dynamics`` from
-``forward_dynamics_derivatives``, ``potential_energy`` from ``gravity_vector``,
-``forward_kinematics`` from ``jacobian``.
+so that ``jax.vmap`` and ``jax.jit`` cost nothing. Derivatives are those of
+``moro_codegen.kernel.frameworks``.
 """
 
 from __future__ import annotations
@@ -13,11 +11,11 @@ import ctypes
 import hashlib
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Protocol
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -27,23 +25,15 @@ from jax.custom_derivatives import SymbolicZero
 from moro_codegen.backends import toolchain
 from moro_codegen.emit.render import render
 from moro_codegen.kernel import store
-from moro_codegen.signature import Part, Signature
-
-#: from arguments to results, arrays of JAX
-Call = Callable[..., tuple[Any, ...]]
-#: from primals (of all inputs) and tangents (None: none) to the tangents of the results
-Rule = Callable[[Sequence[Any], Sequence[Any]], tuple[Any, ...]]
-
-
-class Compiled(Protocol):
-    """What is asked of a kernel."""
-
-    name: str
-    backend: str
-    directory: Path
-    library: Path | None
-    manifest: dict[str, Any]
-    signatures: dict[str, Signature]
+from moro_codegen.kernel.frameworks import (
+    Call,
+    Compiled,
+    Derivative,
+    Framework,
+    advice,
+    derivative,
+)
+from moro_codegen.signature import Signature
 
 
 class InJAX:
@@ -55,7 +45,9 @@ class InJAX:
             raise ValueError(f'kernel.jax needs a kernel in C, not backend="{kernel.backend}"')
         raw = dict(_registered(kernel))
         for name, signature in kernel.signatures.items():
-            setattr(self, name, _function(signature, raw[name], _rule(signature, kernel, raw)))
+            once = partial(_once, signature.name)
+            by = derivative(_JAX, signature, kernel, raw, once)
+            setattr(self, name, _function(signature, raw[name], by))
 
     def __getattr__(self, name: str) -> Any:
         there = ", ".join(self._kernel.signatures)
@@ -141,24 +133,22 @@ def _size(signature: Signature) -> int:
 # -- calls ----------------------------------------------------------------------------------------
 
 
-def _function(signature: Signature, call: Call, rule: Rule | None) -> Callable[..., Any]:
+def _function(signature: Signature, call: Call, by: Derivative | None) -> Callable[..., Any]:
     """Return a function that takes what the kernel's takes: arrays with axes in front."""
     run = jax.custom_jvp(call)
 
     def jvp(primals: Sequence[Any], tangents: Sequence[Any]) -> tuple[Any, Any]:
         known = [None if isinstance(t, SymbolicZero) else t for t in tangents]
-        if rule is None:
-            raise TypeError(
-                f"{signature.name} has no derivative here: {_ADVICE.get(signature.name, _NONE)}"
-            )
+        if by is None:
+            raise TypeError(advice(signature))
         if signature.parameters and known[-1] is not None:
             raise TypeError(f"{signature.name} has no derivative by its run-time parameters")
-        return run(*primals), rule(primals, known)
+        return run(*primals), (by.forward(primals, known),)
 
     run.defjvp(jvp, symbolic_zeros=True)
 
     def function(*given: Any, parameters: Any = None) -> Any:
-        results = run(*_arrays(signature, given, parameters))
+        results = run(*_JAX.arguments(signature, given, parameters))
         return results[0] if len(results) == 1 else results
 
     function.__name__ = function.__qualname__ = signature.name
@@ -166,132 +156,25 @@ def _function(signature: Signature, call: Call, rule: Rule | None) -> Callable[.
     return function
 
 
-def _arrays(signature: Signature, given: Sequence[Any], parameters: Any) -> list[Any]:
-    """Return all inputs, with the same axes in front."""
-    names = [a.name for a in signature.given]
-    if signature.parameters and len(given) == len(names) + 1:
-        *given, parameters = given
-    if len(given) != len(names):
-        raise TypeError(f"{signature.name} takes {', '.join(names)}: {len(given)} were given")
-    config: Any = jax.config  # which has no types
-    if signature.dtype == "float64" and not config.jax_enable_x64:
-        raise TypeError(
-            f"{signature.name} computes in double precision: "
-            'jax.config.update("jax_enable_x64", True), or compile the kernel with dtype="float32"'
-        )
-    arrays = [jnp.asarray(x, signature.dtype) for x in given]
-    if signature.parameters:
-        arrays.append(jnp.asarray(_values(signature, parameters), signature.dtype))
-    fronts = []
-    for x, a in zip(arrays, signature.inputs, strict=True):
-        front, core = x.shape[: x.ndim - len(a.sizes)], x.shape[x.ndim - len(a.sizes) :]
-        if x.ndim < len(a.sizes) or core != a.sizes:
-            shape = ", ".join(["...", *map(str, a.sizes)])
-            raise ValueError(f"{a.name} must have shape ({shape}), not {x.shape}")
-        fronts.append(front)
-    front = jnp.broadcast_shapes(*fronts)
-    both = zip(arrays, signature.inputs, strict=True)
-    return [jnp.broadcast_to(x, (*front, *a.sizes)) for x, a in both]
-
-
-def _values(signature: Signature, parameters: Any) -> Any:
-    """Return the values of all run-time parameters, of an array or a dictionary of some."""
-    if parameters is not None and not isinstance(parameters, Mapping):
-        return parameters
-    given = dict(parameters or {})
-    values = []
-    for x in signature.parameters:
-        value = given.pop(x.name, x.default)
-        if value is None:
-            raise ValueError(f"{signature.name} needs a value of {x.name}, which has no default")
-        values.append(jnp.asarray(value, signature.dtype))
-    if given:
-        raise ValueError(f"{signature.name} has no parameters {', '.join(given)}")
-    return jnp.stack(jnp.broadcast_arrays(*values), axis=-1)
-
-
-# -- derivatives ----------------------------------------------------------------------------------
-
-
-def _rule(signature: Signature, kernel: Compiled, raw: Mapping[str, Call]) -> Rule | None:
-    """Return how tangents go through a function, if the kernel has what that takes."""
-    if len(signature.parts) > 1:
-        return None
-    (part,) = signature.parts
-    needed, make = _RULES.get(part.name, ("", None))
-    alike = Part(needed, 0, part.frame)
-    found = (x for x, s in kernel.signatures.items() if _is_of(s, alike))
-    name = next(found, None)
-    if make is None or name is None:
-        return None
-    derivative = jax.custom_jvp(raw[name])
-    derivative.defjvp(partial(_no_second, signature.name))
-    return make(derivative, raw[signature.name])
-
-
-def _is_of(signature: Signature, part: Part) -> bool:
-    """Return whether a function computes one thing, of a frame, and nothing else."""
-    return [(x.name, x.frame) for x in signature.parts] == [(part.name, part.frame)]
+def _once(name: str, call: Call) -> Call:
+    """Return a function that has derivatives, and none itself."""
+    derivatives = jax.custom_jvp(call)
+    derivatives.defjvp(partial(_no_second, name))
+    return derivatives
 
 
 def _no_second(name: str, primals: Sequence[Any], tangents: Sequence[Any]) -> tuple[Any, Any]:
     raise TypeError(f"{name} has first derivatives only: no derivative of its derivative")
 
 
-def _of_tau(derivatives: Call, _: Call) -> Rule:
-    return lambda x, dx: (_applied(derivatives(*x), dx[:3], x[0]),)
+def _array(value: Any, dtype: str) -> Any:
+    config: Any = jax.config  # which has no types
+    if dtype == "float64" and not config.jax_enable_x64:
+        raise TypeError(
+            "the kernel computes in double precision: "
+            'jax.config.update("jax_enable_x64", True), or compile it with dtype="float32"'
+        )
+    return jnp.asarray(value, dtype)
 
 
-def _of_bias(derivatives: Call, _: Call) -> Rule:
-    def rule(x: Sequence[Any], dx: Sequence[Any]) -> tuple[Any, ...]:
-        q, qd, *parameters = x
-        by_q, by_qd, _ = derivatives(q, qd, jnp.zeros_like(q), *parameters)
-        return (_applied((by_q, by_qd), dx[:2], q),)
-
-    return rule
-
-
-def _of_height(gravity: Call, _: Call) -> Rule:
-    def rule(x: Sequence[Any], dx: Sequence[Any]) -> tuple[Any, ...]:
-        (G,) = gravity(*x)
-        return (jnp.einsum("...i,...i->...", G, dx[0]),)
-
-    return rule
-
-
-def _of_pose(jacobian: Call, pose: Call) -> Rule:
-    """DR = [w]x R and dp = v, with (v, w) = J dq."""
-
-    def rule(x: Sequence[Any], dx: Sequence[Any]) -> tuple[Any, ...]:
-        (T,), (J,) = pose(*x), jacobian(*x)
-        moved = jnp.einsum("...ij,...j->...i", J, dx[0])
-        v, w = moved[..., :3], moved[..., 3:]
-        turned = jnp.cross(w[..., None, :], jnp.swapaxes(T[..., :3, :3], -1, -2))
-        upper = jnp.concatenate([jnp.swapaxes(turned, -1, -2), v[..., None]], axis=-1)
-        return (jnp.concatenate([upper, jnp.zeros_like(T[..., 3:, :])], axis=-2),)
-
-    return rule
-
-
-def _applied(matrices: Sequence[Any], tangents: Sequence[Any], like: Any) -> Any:
-    """Return the sum of matrix times tangent."""
-    total = jnp.zeros_like(like)
-    for matrix, tangent in zip(matrices, tangents, strict=True):
-        if tangent is not None:
-            total = total + jnp.einsum("...ij,...j->...i", matrix, tangent)
-    return total
-
-
-#: function: (the kernel's function that has its derivatives, how they are used)
-_RULES: dict[str, tuple[str, Callable[[Call, Call], Rule]]] = {
-    "tau": ("tau_derivatives", _of_tau),
-    "bias": ("tau_derivatives", _of_bias),
-    "forward_dynamics": ("forward_dynamics_derivatives", _of_tau),
-    "potential_energy": ("gravity_vector", _of_height),
-    "forward_kinematics": ("jacobian", _of_pose),
-}
-_NONE = f"functions that have one are {', '.join(_RULES)}"
-_ADVICE = {
-    name: f'compile the kernel with functions=("{name}", "{needed}")'
-    for name, (needed, _) in _RULES.items()
-}
+_JAX = Framework(jnp, _array)

@@ -23,6 +23,7 @@ from moro_codegen.signature import Signature
 
 if TYPE_CHECKING:
     from moro_codegen.kernel.in_jax import InJAX
+    from moro_codegen.kernel.in_torch import InTorch
 
 
 class Kernel:
@@ -150,6 +151,18 @@ class Kernel:
         from moro_codegen.kernel.in_jax import InJAX
 
         return InJAX(self)
+
+    @cached_property
+    def torch(self) -> InTorch:
+        """The same functions for PyTorch on the CPU, ``kernel.torch.tau(q, qd, qdd)``.
+
+        They go through ``torch.vmap``, ``torch.compile`` and ``backward``, with derivatives like
+        those of ``jax``, but not through ``torch.func.grad`` and its like. Raises ImportError
+        without PyTorch.
+        """
+        from moro_codegen.kernel.in_torch import InTorch
+
+        return InTorch(self)
 
     @cached_property
     def ctypes(self) -> dict[str, Any]:
