@@ -36,7 +36,7 @@ def _tau_derivatives(
         by_q, by_qd = slopes(system, arm, q, qd, qdd)
         return flat((by_q, by_qd, flat(joint_inertia(arm, system.rotors))))
 
-    return parts(system.dynamics(system.posture(q), *_each(derivatives)), 3)
+    return parts(system.dynamics(system.posture(q), *each(derivatives)), 3)
 
 
 def _forward_dynamics_derivatives(
@@ -53,27 +53,32 @@ def _forward_dynamics_derivatives(
             found += flat(zip(*columns, strict=True))
         return replaced(system.nodes([*found, *flat(inverse(factors))]), caused)
 
-    return parts(system.dynamics(system.posture(q), *_each(derivatives)), 3)
+    return parts(system.dynamics(system.posture(q), *each(derivatives)), 3)
 
 
 #: returns d tau/dq and d tau/dqd, flat
 Slopes: TypeAlias = Callable[..., "tuple[list[Node], list[Node]]"]
 
 
-def _each(derivatives: Callable[[Slopes, Posture], Sequence[Scalar]]) -> list[Algorithm]:
-    return [partial(derivatives, slopes) for slopes in (_by_coriolis, _by_differentiation)]
+def each(derivatives: Callable[[Slopes, Posture], Sequence[Scalar]]) -> list[Algorithm]:
+    """Return the algorithms that derivatives are by each way to the slopes of tau."""
+    return [
+        partial(derivatives, slopes) for slopes in (slopes_by_coriolis, slopes_by_differentiation)
+    ]
 
 
-def _by_differentiation(
+def slopes_by_differentiation(
     system: System, arm: Posture, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]
 ) -> tuple[list[Node], list[Node]]:
+    """Return d tau/dq and d tau/dqd, flat."""
     tau = torques(system, arm, q, qd, qdd)
     return flat(jacobian(tau, q)), flat(jacobian(tau, qd))
 
 
-def _by_coriolis(
+def slopes_by_coriolis(
     system: System, arm: Posture, q: Sequence[Node], qd: Sequence[Node], qdd: Sequence[Node]
 ) -> tuple[list[Node], list[Node]]:
+    """Return d tau/dq, and d tau/dqd as 2 C and the slopes of friction, flat."""
     n, friction = len(q), system.nodes(system.drives(q, qd, qdd))
     slopes = flat(joint_coriolis(arm, [2 * rate for rate in qd]))
     for j in range(n):

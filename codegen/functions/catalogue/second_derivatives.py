@@ -12,6 +12,7 @@ from moro.algorithms.factorization import factorized, solution
 from moro.algorithms.posture import Posture
 from moro.spatial.vectors import Scalar
 from moro_codegen.functions.arguments import QD, QDD, TAU, Argument, Q
+from moro_codegen.functions.catalogue.derivatives import Slopes, each
 from moro_codegen.functions.catalogue.products import W, caused_by, torques
 from moro_codegen.functions.function import Function, Outputs
 from moro_codegen.functions.system import System, dot, flat, parts
@@ -22,14 +23,23 @@ Nodes = Sequence[Node]
 
 
 def _tau_second_derivatives(system: System, q: Nodes, qd: Nodes, qdd: Nodes) -> Outputs:
-    def derivatives(arm: Posture) -> Sequence[Scalar]:
-        tau = torques(system, arm, q, qd, qdd)
-        by_q, by_qd = flat(jacobian(tau, q)), flat(jacobian(tau, qd))
-        M = system.nodes(flat(joint_inertia(arm, system.rotors)))
-        blocks = (by_q, q), (by_q, qd), (by_qd, qd), (M, q)
-        return flat(flat(jacobian(*block)) for block in blocks)
+    n = len(q)
 
-    return parts(system.dynamics(system.posture(q), derivatives), 4)
+    def derivatives(slopes: Slopes, arm: Posture) -> Sequence[Scalar]:
+        by_q, by_qd = slopes(system, arm, q, qd, qdd)
+        M = system.nodes(flat(joint_inertia(arm, system.rotors)))
+        by_q_q, by_qd_q, by_qd_qd = (
+            [_rows(x, n) for x in _rows(flat(jacobian(*block)), n * n)]
+            for block in ((by_q, q), (by_qd, q), (by_qd, qd))
+        )
+        return [
+            *flat(flat(map(_symmetric, by_q_q))),
+            *flat(flat(map(_columns, by_qd_q))),
+            *flat(flat(map(_symmetric, by_qd_qd))),
+            *flat(jacobian(M, q)),
+        ]
+
+    return parts(system.dynamics(system.posture(q), *each(derivatives)), 4)
 
 
 def _tau_hessian(system: System, q: Nodes, qd: Nodes, qdd: Nodes, w: Nodes) -> Outputs:
@@ -80,8 +90,16 @@ def _hessian(
     slopes = gradient(torques(system, arm, q, qd, qdd), w, [*q, *qd, *qdd])
     n = len(q)
     by_q, by_qd = slopes[:n], slopes[n : 2 * n]
-    blocks = (by_q, q), (by_q, qd), (by_qd, qd), (by_q, qdd)
-    return tuple(flat(jacobian(*block)) for block in blocks)
+    q_q, q_qd, qd_qd, q_qdd = (
+        jacobian(*block) for block in ((by_q, q), (by_q, qd), (by_qd, qd), (by_q, qdd))
+    )
+    return flat(_symmetric(q_q)), flat(q_qd), flat(_symmetric(qd_qd)), flat(q_qdd)
+
+
+def _symmetric(rows: Sequence[Nodes]) -> list[list[Node]]:
+    """Return a matrix that is symmetric by its upper half: the lower one need not be computed."""
+    n = range(len(rows))
+    return [[rows[min(i, j)][max(i, j)] for j in n] for i in n]
 
 
 def _columns(rows: Sequence[Nodes]) -> list[list[Node]]:
@@ -116,7 +134,7 @@ FUNCTIONS = (
         ),
         "Second derivatives of tau: all that are not zero.",
         _tau_second_derivatives,
-        "the graph of tau differentiated twice; that of M once",
+        "the graph of tau differentiated twice, by qd once 2 C; that of M once",
     ),
     Function(
         "tau_hessian",
