@@ -1,6 +1,7 @@
 """Results as people write them.
 
 display           polynomials in their shortest common form
+products          products of sums that sums are
 squares           squares of sums among the terms of a sum
 named_constants   constants that long results have in common
 collect           M, C, G and equations in named constants

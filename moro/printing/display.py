@@ -5,7 +5,7 @@ common form, always by the same rules, so that equal polynomials give identical 
 
 - parallel joints show their differences and sums as one angle: ``c2 c23 + s2 s23`` is ``cos(q3)``;
 - ``x - x c^2`` is ``x s^2``;
-- ``a^2 + 2 a b + b^2`` is ``(a + b)^2``;
+- ``a^2 + 2 a b + b^2`` is ``(a + b)^2``, and ``a c + a d + b c + b d`` is ``(a + b) (c + d)``;
 - what all terms share, whole numbers and signs included, stands in front of a bracket;
 - no minus sign stands before a bracket that begins with one, or in front of an angle;
 - terms are grouped by velocities, then by trigonometric factors, by masses and inertias, or by
@@ -14,7 +14,7 @@ common form, always by the same rules, so that equal polynomials give identical 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cmp_to_key
@@ -23,6 +23,7 @@ from typing import Any
 
 import sympy as sp
 
+from moro.printing.products import factors
 from moro.printing.squares import Square, squares_in
 from moro.scalars.relations import Coefficient, Monomial
 from moro.scalars.trig import Trig, TrigRing
@@ -194,6 +195,9 @@ class Display:
         squares, rest = self._squares(terms)
         if squares and not rest:
             return sp.Add(*(self._square(x) for x in squares))
+        both = factors(terms)
+        if both is not None:
+            return self._product(both, self._sum)
         velocity = self.ring.mask(self._velocity_symbols)
         if any(m & velocity for m in terms) and any(m & ~velocity for m in terms):
             return self._by_velocity(terms, velocity)
@@ -293,6 +297,9 @@ class Display:
         return total
 
     def _sum_cost(self, terms: Terms) -> int:
+        both = factors(terms)
+        if both is not None:
+            return 1 + sum(map(self._sum_cost, both))
         squares, rest = self._squares(terms)
         total = sum(self._term_cost(m, c) for m, c in rest.items()) + len(rest) - 1
         for scale, root in squares:
@@ -315,9 +322,18 @@ class Display:
     # -- SymPy ------------------------------------------------------------------------------------
 
     def _flat(self, terms: Terms) -> Any:
+        both = factors(terms)
+        if both is not None:
+            return self._product(both, self._flat)
         squares, rest = self._squares(terms)
         flat = (self._term(m, c) for m, c in rest.items())
         return sp.Add(*map(self._square, squares), *flat)
+
+    def _product(self, both: tuple[Terms, Terms], show: Callable[[Terms], Any]) -> Any:
+        """Return a product of two sums, signs and whole numbers in front of it."""
+        (scale, first), (other, second) = map(_extracted, both)
+        number = self._number(_whole(Fraction(scale) * other))
+        return _signed(number, show(first), show(second))
 
     def _squares(self, terms: Terms) -> tuple[list[Square], Terms]:
         """Return the squares of sums among the terms, and the others."""

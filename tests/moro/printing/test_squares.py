@@ -1,4 +1,4 @@
-"""Squares of sums, and sums that are taken out, where that is shorter."""
+"""Squares and products of sums, and sums that are taken out, where that is shorter."""
 
 import random
 
@@ -32,6 +32,11 @@ def robot():
         l1**2 + 2 * l1 * l2 * sp.cos(q2) + l2**2,
         m1 * (l1**2 + l1 * l2 + l2**2),
         l1 * (m2 + m3) + lc1 * m1,
+        (l1 + l2) * (m1 - m2) * (l3 + lc1),
+        (m3 + lc1**2 * m1) * (g + lc2**2 * m2),
+        (2 * l1 + 3 * l2) * (m1 + m2 + m3),
+        (l1 * sp.cos(q1) + l2 * sp.cos(q1 + q2)) * (l1 * m2 + l2 * m3),
+        (l1 + l2) * (l1 - l2) * (l1 + l3),
     ],
 )
 def test_what_is_short_stays_so(robot, short):
