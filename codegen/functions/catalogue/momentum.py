@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from moro.algorithms.gravity import gravity_torques
 from moro.algorithms.momentum import joint_momentum, transposed_coriolis_product
-from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import Posture
 from moro.spatial.vectors import Scalar
 from moro_codegen.functions.arguments import QD, Argument, Q
@@ -23,7 +23,7 @@ def _momentum_bias(system: System, q: Sequence[Node], qd: Sequence[Node]) -> Out
     still = [0] * system.model.nv
 
     def rigid(arm: Posture) -> Sequence[Scalar]:
-        gravity = joint_torques(arm, still, still)
+        gravity = gravity_torques(arm)
         return [x - g for x, g in zip(transposed_coriolis_product(arm, qd), gravity, strict=True)]
 
     changes = system.dynamics(system.posture(q), rigid)
@@ -46,6 +46,6 @@ FUNCTIONS = (
         "What changes the momentum besides torques, dp/dt - tau = C(q, qd)^T qd - G(q) - friction: "
         "for observers of disturbances (De Luca).",
         _momentum_bias,
-        "momenta of composite bodies for C^T qd, recursive Newton-Euler at rest for G",
+        "momenta of composite bodies for C^T qd, first moments for G",
     ),
 )
