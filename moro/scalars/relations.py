@@ -25,8 +25,9 @@ Terms: TypeAlias = "dict[Monomial, Coefficient]"
 #: bits of an exponent; the highest is free
 BITS = 8
 FIELD = (1 << BITS) - 1
-#: more rules, or longer ones, are not looked for: forms are exact then, but need not be the same
-_MAX_RULES, _MAX_TERMS = 100, 100
+#: more rules, or longer ones, are not looked for, nor any that take more steps to find:
+#: forms are exact then, but need not be the same
+_MAX_RULES, _MAX_TERMS, _MAX_WORK = 100, 100, 20000
 
 
 class Rule(NamedTuple):
@@ -51,6 +52,8 @@ class Relations:
         self._sines = 0
         self._squares: list[Rule] = []
         self._rules: list[Rule] = []
+        #: steps taken: terms rewritten, relations looked at
+        self._work = 0
 
     def square(
         self, unit: Monomial, rest: Iterable[tuple[Monomial, Coefficient]], sine: bool
@@ -73,6 +76,7 @@ class Relations:
         found = {m: c for m, c in terms.items() if m not in work}
         while work:
             m, c = work.popitem()
+            self._work += 1
             rule = self._rule_for(m)
             if rule is None:
                 _accumulate(found, m, c)
@@ -90,8 +94,9 @@ class Relations:
 
     def _add(self, relation: Terms) -> None:
         """Add a sum that is zero, and what follows of it and of the rules that there are."""
-        waiting = [relation]
-        while waiting and len(self._rules) < _MAX_RULES:
+        waiting, most = [relation], self._work + _MAX_WORK
+        while waiting and len(self._rules) < _MAX_RULES and self._work < most:
+            self._work += len(waiting)
             waiting.sort(key=lambda terms: self._order(self._lead(terms)), reverse=True)
             terms = {m: c for m, c in self.cancelled(waiting.pop()).items() if c}
             if not terms or len(terms) > _MAX_TERMS:

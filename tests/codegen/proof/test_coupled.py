@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
-from functions import SHORT
+from functions import KINDS
 from robots import random_robot
 from trees import coupled, matrix_of, random_rows
 
@@ -27,7 +27,7 @@ def five_joints():
     )  # fmt: skip
 
 
-def verified(robot, directory, functions=SHORT):
+def verified(robot, directory, functions=KINDS):
     kernel = mc.compile(robot, functions=functions, directory=directory)
     verification = mc.verify(kernel, robot)
     assert verification.passed, verification.max_errors

@@ -10,7 +10,7 @@ import sys
 import numpy as np
 import pytest
 from arms import NAMES
-from functions import SHORT
+from functions import KINDS
 from robots import random_robot
 
 import moro as mr
@@ -25,7 +25,7 @@ NO_FORWARD_DYNAMICS = {"ur5"}
 
 def functions_of(robot):
     singular = robot.name in NO_FORWARD_DYNAMICS
-    return tuple(name for name in SHORT if not (singular and name in INVERTING))
+    return tuple(name for name in KINDS if not (singular and name in INVERTING))
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_packaged_arms(backend, name, folder):
     assert verification.max_error < 1e-12
 
 
-@pytest.mark.parametrize("joints", range(1, 13))
+@pytest.mark.parametrize("joints", [1, 2, 3, 5, 6, 9, 12])
 def test_random_arms(joints, folder):
     rng, convention = random.Random(joints), ["dh", "mdh"][joints % 2]
     robot = random_robot(rng, joints, convention)
@@ -63,7 +63,7 @@ def test_random_arms(joints, folder):
     assert verification.passed, verification.max_errors
 
 
-@pytest.mark.parametrize("joints", [1, 3, 5, 8, 12])
+@pytest.mark.parametrize("joints", [1, 4, 8])
 def test_compiled_random_arms_equal_the_numpy_backend(joints, folder):
     rng = random.Random(1000 + joints)
     robot = random_robot(rng, joints, rng.choice(["dh", "mdh"]))
