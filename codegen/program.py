@@ -189,6 +189,7 @@ def routine(system: System, function: Function) -> Routine:
     Of several together, which share more of one recursion, also without closed forms if that takes
     fewer operations.
     """
+    tell(f"generating {function.name}")
     systems = [system]
     if function.together and Pass.CLOSED_FORMS in system.passes:
         systems.append(replace(system, forms=None))
@@ -211,7 +212,6 @@ def arranged(
     passes: Collection[Pass] = PASSES,
 ) -> Routine:
     """Return the routine of what ``build`` makes of a function's inputs; ``sizes`` of n and p."""
-    tell(f"generating {function.name}")
     inputs = tuple(_resolved(argument, sizes) for argument in function.inputs)
     outputs = tuple(_resolved(argument, sizes) for argument in function.outputs)
     nodes = [[graph.input(a.name, k) for k in range(a.size)] for a in inputs]
