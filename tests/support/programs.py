@@ -10,6 +10,7 @@ from moro_codegen.functions.arguments import Argument
 from moro_codegen.functions.function import Function
 from moro_codegen.functions.system import System
 from moro_codegen.graph.nodes import Graph
+from moro_codegen.passes import PASSES, Pass
 from moro_codegen.program import Program, routine
 from moro_codegen.signature import RuntimeParameter
 
@@ -25,8 +26,9 @@ def bare_model(n, kind=REVOLUTE):
 
 
 def program(*functions, dof=3, parameters=(), name="hand_made"):
-    """A program of Functions over one graph; parameters are (name, default) pairs."""
-    system = System(Graph(), bare_model(dof))
+    """A program of Functions over one graph, as written; parameters are (name, default) pairs."""
+    passes = tuple(x for x in PASSES if x is not Pass.COMMON_DIVISORS)
+    system = System(Graph(), bare_model(dof), passes=passes)
     return Program(
         name,
         dof,
