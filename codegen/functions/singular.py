@@ -16,6 +16,12 @@ from moro_codegen.graph.nodes import constant_value
 LIGHTEST, DEPENDENT = 1e-15, 1e-13
 
 
+def check_resisted(model: Model, rotors: Sequence[Scalar]) -> None:
+    """Raise ValueError where a motion of the joints meets no inertia at any posture."""
+    if joints := unresisted(model, rotors):
+        raise singular(model, joints)
+
+
 def unresisted(model: Model, rotors: Sequence[Scalar]) -> list[int]:
     """Return the joints (from 1) of a motion that meets no inertia at any posture; if none, [].
 

@@ -12,7 +12,7 @@ from moro.algorithms.posture import Posture
 from moro.spatial.vectors import Scalar
 from moro_codegen.functions.arguments import QD, QDD, TAU, Q
 from moro_codegen.functions.function import Function, Outputs
-from moro_codegen.functions.singular import singular, unresisted
+from moro_codegen.functions.singular import check_resisted, singular
 from moro_codegen.functions.system import System
 from moro_codegen.graph.nodes import Node
 
@@ -22,8 +22,7 @@ def accelerations(
 ) -> Outputs:
     """Return qdd. Raise ValueError where nothing resists some motion of the joints."""
     still, rotors = [0] * system.model.nv, system.rotors
-    if joints := unresisted(system.model, rotors):
-        raise singular(system.model, joints)
+    check_resisted(system.model, rotors)
     left = [x - y for x, y in zip(tau, system.drives(q, qd, still), strict=True)]
 
     def by_articulated_bodies(arm: Posture) -> Sequence[Scalar]:

@@ -16,7 +16,7 @@ from moro.spatial.motion import Velocity
 from moro.spatial.vectors import Scalar
 from moro_codegen.functions.arguments import LAST, QD, QDD, Argument, J, Q
 from moro_codegen.functions.function import Function, Outputs
-from moro_codegen.functions.system import System, flat
+from moro_codegen.functions.system import System, flat, parts
 from moro_codegen.graph.derivatives import directional, jacobian
 from moro_codegen.graph.nodes import Node
 
@@ -56,7 +56,7 @@ def jacobian_and_rate(
 ) -> tuple[list[Sequence[Node]], Sequence[Node]]:
     """Return the rows of J, and dJ/dt qd."""
     (J,), (rate,) = _jacobian(system, q), _jacobian_rate_qd(system, q, qd)
-    return [J[k * len(q) : (k + 1) * len(q)] for k in range(6)], rate
+    return parts(J, 6), rate
 
 
 def _frame_velocity(system: System, q: Sequence[Node], qd: Sequence[Node]) -> Outputs:

@@ -11,7 +11,7 @@ from moro.algorithms.posture import Posture
 from moro.spatial.vectors import Scalar
 from moro_codegen.functions.arguments import QD, Argument, C, M, Q
 from moro_codegen.functions.function import Function, Outputs
-from moro_codegen.functions.singular import singular, unresisted
+from moro_codegen.functions.singular import check_resisted
 from moro_codegen.functions.system import System, flat
 from moro_codegen.graph.derivatives import directional
 from moro_codegen.graph.nodes import Node
@@ -50,8 +50,7 @@ def _inertia_matrix_rate(system: System, q: Sequence[Node], qd: Sequence[Node]) 
 
 
 def _inertia_matrix_inverse(system: System, q: Sequence[Node]) -> Outputs:
-    if joints := unresisted(system.model, system.rotors):
-        raise singular(system.model, joints)
+    check_resisted(system.model, system.rotors)
 
     def inverted(arm: Posture) -> Sequence[Scalar]:
         return flat(inverse(factorized(joint_inertia(arm, system.rotors), arm)))

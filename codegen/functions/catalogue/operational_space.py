@@ -13,8 +13,8 @@ from moro.spatial.vectors import Scalar
 from moro_codegen.functions.arguments import LAST, QD, Argument, Q
 from moro_codegen.functions.catalogue.kinematics import jacobian_and_rate
 from moro_codegen.functions.function import Function, Outputs
-from moro_codegen.functions.singular import singular, unresisted
-from moro_codegen.functions.system import System, dot, flat, sum_of
+from moro_codegen.functions.singular import check_resisted
+from moro_codegen.functions.system import System, dot, flat, parts, sum_of
 from moro_codegen.graph.nodes import Node
 
 
@@ -22,8 +22,7 @@ def _operational_space(
     system: System, q: Sequence[Node], qd: Sequence[Node], damping: Sequence[Node]
 ) -> Outputs:
     n, still = system.model.nv, [0] * system.model.nv
-    if joints := unresisted(system.model, system.rotors):
-        raise singular(system.model, joints)
+    check_resisted(system.model, system.rotors)
     J, rate = jacobian_and_rate(system, q, qd)
 
     def dynamics(arm: Posture) -> Sequence[Scalar]:
@@ -32,8 +31,7 @@ def _operational_space(
         return [*flat(solution(factors, row) for row in J), *joint_torques(arm, qd, still)]
 
     found = system.dynamics(system.posture(q), dynamics)
-    X, bias = [found[k * n : (k + 1) * n] for k in range(6)], found[6 * n :]
-    bias = sum_of(bias, spring_torques(system.model, q))
+    X, bias = parts(found[: 6 * n], 6), sum_of(found[6 * n :], spring_torques(system.model, q))
     mobility = [[dot(row, column) for column in X] for row in J]  # J M^-1 J^T
     for k in range(6):
         mobility[k][k] = mobility[k][k] + damping[0]

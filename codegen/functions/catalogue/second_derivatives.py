@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from moro.algorithms.composite_rigid_body import joint_inertia
-from moro.algorithms.factorization import factorized, solution
+from moro.algorithms.factorization import factorized, inverse, solution
 from moro.algorithms.posture import Posture
 from moro.spatial.vectors import Scalar
 from moro_codegen.functions.arguments import QD, QDD, TAU, Argument, Q
@@ -29,7 +29,7 @@ def _tau_second_derivatives(system: System, q: Nodes, qd: Nodes, qdd: Nodes) -> 
         by_q, by_qd = slopes(system, arm, q, qd, qdd)
         M = system.nodes(flat(joint_inertia(arm, system.rotors)))
         by_q_q, by_qd_q, by_qd_qd = (
-            [_rows(x, n) for x in _rows(flat(jacobian(*block)), n * n)]
+            [parts(x, n) for x in parts(flat(jacobian(*block)), n)]
             for block in ((by_q, q), (by_qd, q), (by_qd, qd))
         )
         return [
@@ -63,13 +63,12 @@ def _forward_dynamics_hessian(system: System, q: Nodes, qd: Nodes, tau: Nodes, w
         factors = factorized(joint_inertia(arm, system.rotors), arm)
         lamda = system.nodes(solution(factors, w))
         first = torques(system, arm, q, qd, qdd)
-        unit = [system.nodes(int(i == j) for i in range(n)) for j in range(n)]
-        by_q, by_qd = (_columns(jacobian(first, x)) for x in (q, qd))
-        qdd_q, qdd_qd, qdd_tau = (
-            [solution(factors, column) for column in columns]
-            for columns in ([_negative(x) for x in by_q], [_negative(x) for x in by_qd], unit)
+        qdd_q, qdd_qd = (
+            [solution(factors, [-x for x in column]) for column in _columns(jacobian(first, x))]
+            for x in (q, qd)
         )
-        qq, qqd, qdqd, N = (_rows(x, n) for x in _hessian(system, arm, q, qd, qdd, weights))
+        qdd_tau = inverse(factors)
+        qq, qqd, qdqd, N = (parts(x, n) for x in _hessian(system, arm, q, qd, qdd, weights))
         through = [[dot(row, column) for column in qdd_q] for row in N]
         blocks = (
             [-(qq[i][j] + through[i][j] + through[j][i]) for i in range(n) for j in range(n)],
@@ -104,14 +103,6 @@ def _symmetric(rows: Sequence[Nodes]) -> list[list[Node]]:
 
 def _columns(rows: Sequence[Nodes]) -> list[list[Node]]:
     return [list(column) for column in zip(*rows, strict=True)]
-
-
-def _rows(entries: Nodes, n: int) -> list[Nodes]:
-    return [entries[k : k + n] for k in range(0, len(entries), n)]
-
-
-def _negative(v: Sequence[Scalar]) -> list[Scalar]:
-    return [-x for x in v]
 
 
 def _tensor(name: str, what: str) -> Argument:

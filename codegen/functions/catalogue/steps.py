@@ -15,7 +15,7 @@ from moro.spatial.vectors import Scalar
 from moro_codegen.functions.arguments import QD, TAU, Argument, Q
 from moro_codegen.functions.catalogue.forward_dynamics import accelerations
 from moro_codegen.functions.function import Function, Outputs
-from moro_codegen.functions.singular import singular, unresisted
+from moro_codegen.functions.singular import check_resisted
 from moro_codegen.functions.system import System
 from moro_codegen.graph.derivatives import directional
 from moro_codegen.graph.nodes import Node, constant_value, replaced
@@ -44,8 +44,7 @@ def _step_rk4(system: System, q: Nodes, qd: Nodes, tau: Nodes, dt: Nodes) -> Out
 def _step_semi_implicit(system: System, q: Nodes, qd: Nodes, tau: Nodes, dt: Nodes) -> Outputs:
     n, h, graph = system.model.nv, dt[0], system.graph
     still, rotors = [0] * n, system.rotors
-    if joints := unresisted(system.model, rotors):
-        raise singular(system.model, joints)
+    check_resisted(system.model, rotors)
     drives = [
         _Drive(system, x.drive, rate) for x, rate in zip(system.model.coordinates, qd, strict=True)
     ]

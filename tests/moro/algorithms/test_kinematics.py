@@ -13,15 +13,19 @@ from robots import random_robot
 from moro.algorithms.kinematics import frame_acceleration, frame_velocity
 
 
+def frame_points(case):
+    """The origin of the last frame, and a point on each of its axes, as they move."""
+    R, p = case.model.tip.placement.R, case.model.tip.placement.p
+    ends = [[x + row[k] for x, row in zip(p, R, strict=True)] for k in range(3)]
+    points = [[] for _ in range(case.n - 1)] + [[(1, tuple(end)) for end in (p, *ends)]]
+    return moving_points(case.model, points, case.sincos, case.q, case.qd, case.qdd)
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_exact(seed):
     """Four points of frame n: its origin, and one on each axis."""
     case = exact_case(seed)
-    R, p = case.model.tip.placement.R, case.model.tip.placement.p
-    ends = [[x + row[k] for x, row in zip(p, R, strict=True)] for k in range(3)]
-    points = [[] for _ in range(case.n - 1)] + [[(1, tuple(end)) for end in (p, *ends)]]
-    moving = moving_points(case.model, points, case.sincos, case.q, case.qd, case.qdd)
-    (_, origin), *axes = moving
+    (_, origin), *axes = frame_points(case)
     pose = forward_kinematics(case.model, case.q, case.sincos)
     assert list(pose.p) == [x.c[0] for x in origin]
     J = jacobian(case.model, case.q, case.sincos)
@@ -63,11 +67,7 @@ def test_symbolic_route(n, convention):
 def test_motion_of_the_frame(seed):
     """Of its origin as a point moves; turning as its axes do, which accelerate by U."""
     case = exact_case(seed)
-    R, p = case.model.tip.placement.R, case.model.tip.placement.p
-    ends = [[x + row[k] for x, row in zip(p, R, strict=True)] for k in range(3)]
-    points = [[] for _ in range(case.n - 1)] + [[(1, tuple(end)) for end in (p, *ends)]]
-    moving = moving_points(case.model, points, case.sincos, case.q, case.qd, case.qdd)
-    (_, origin), *axes = moving
+    (_, origin), *axes = frame_points(case)
     arm = with_tip(case.model, case.q, case.sincos)
     (omega, v), (alpha, a) = (
         frame_velocity(arm, case.qd),
