@@ -175,6 +175,7 @@ def test_every_wrong_function_is_found_out(folder):
         "tau", "tau_with_wrench", "bias", "tau_passivity", "momentum_bias", "forward_dynamics",
         "tau_derivatives", "forward_dynamics_derivatives", "tau_jvp", "tau_vjp",
         "forward_dynamics_jvp", "forward_dynamics_vjp", "step_semi_implicit", "regressor",
+        "passivity_regressor", "standard_regressor",
     }  # fmt: skip
     stanford = mc.compile(mr.load("stanford_arm"), GEOMETRY, folder, "numpy")
     assert min(mc.verify(stanford, robot).max_errors.values()) > TOLERANCE
