@@ -1,9 +1,9 @@
-"""Long routines in parts: the time that compilers take for a function grows with its square.
+"""Statements in an order in which few values wait, and long routines in parts.
 
-What one part computes and a later one reads is handed on in an array, as the compiler would have
-done with it anyway: a long routine has far more values than a processor has registers. The array is
-most of the memory that a call takes, so statements come in an order in which few values wait. Which
-operations there are, and so the bits of results, does not depend on it.
+A routine has more values than a processor has registers: the fewer wait to be read, the fewer go to
+memory and back. Long routines are divided, because the time that compilers take for a function
+grows with its square. What one part computes and a later one reads is handed on in an array, as the
+compiler would have done with it anyway; that array is most of the memory that a call takes.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class Parts:
 
 
 def in_parts(body: RoutineBody, inputs: Sequence[tuple[str, int]], length: int = LENGTH) -> Parts:
-    """Return the statements of a routine, divided if there are many.
+    """Return the statements of a routine in order, divided if there are many.
 
     ``inputs`` are the names and sizes of the arguments. An array that holds their components one
     after the other may serve as that of the places: each is used anew only when nothing reads the
@@ -83,7 +83,7 @@ def in_parts(body: RoutineBody, inputs: Sequence[tuple[str, int]], length: int =
     work = [s for s in body.statements if not isinstance(s, Load)]
     count = round(len(work) / length)
     if count <= 1:
-        return Parts((body.statements,), 0)
+        return Parts(((*loads, *ordered(work, body.results)),), 0)
     pieces = ordered([s for statement in work for s in _split(statement, body)], body.results)
     ends = [len(pieces) * k // count for k in range(count + 1)]
     parts = [pieces[start:end] for start, end in itertools.pairwise(ends)]

@@ -9,6 +9,7 @@ from typing import NamedTuple, TypeAlias
 
 from moro_codegen.graph.nodes import Graph, Node, Operand, price
 from moro_codegen.passes import PASSES, Pass, lighter
+from moro_codegen.passes.arrival import latency
 
 
 class Route(Enum):
@@ -48,7 +49,10 @@ def cheapest(
     closed_form: ClosedForms = nothing,
     passes: Collection[Pass] = PASSES,
 ) -> Alternative:
-    """Return the alternative of the lowest price; no closed form that is less accurate."""
+    """Return the alternative of the lowest price; no closed form that is less accurate.
+
+    Of recursions that cost the same, that whose results are there first.
+    """
     from moro_codegen.graph.rounding import no_less_accurate  # numbers, which help does without
 
     found = [[graph.constant(x) for x in results] for results in recursions]
@@ -58,7 +62,7 @@ def cheapest(
         return Alternative(Route.RECURSION, found[prices.index(least)])
     first = sorted(zip(prices, found, strict=True), key=itemgetter(0))[:FINALISTS]
     near = [x for (parameters, time), x in first if (parameters, time / BEHIND) <= least]
-    best = min((lighter(x, passes) for x in near), key=price)
+    best = min((lighter(x, passes) for x in near), key=lambda x: (price(x), latency(x)))
     others = [lighter(x, passes) for x in closed_form(PAIRS * price(best)[1])]
     for other in sorted(others, key=price):
         if price(other) >= price(best):

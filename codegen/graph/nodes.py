@@ -39,7 +39,7 @@ class Node:
     a function of C's math.h). Operands always carry a smaller ``index`` than what is made of them.
     """
 
-    __slots__ = ("args", "graph", "index", "op", "value")
+    __slots__ = ("args", "graph", "index", "negative", "op", "value")
 
     def __init__(
         self, graph: Graph, index: int, op: str, args: tuple[Node, ...], value: Any
@@ -49,6 +49,8 @@ class Node:
         self.op = op
         self.args = args
         self.value = value
+        #: whether it is a constant less than 0
+        self.negative = op == "const" and value < 0
 
     def __add__(self, other: Operand) -> Node:
         return self.graph.add(self, other)
@@ -91,7 +93,9 @@ class Graph:
 
     def __init__(self) -> None:
         self._nodes: dict[tuple[Any, ...], Node] = {}
-        self._constants: dict[Constant, Node] = {}
+        #: by numerator and denominator, whose hash is had sooner than that of a Fraction; floats
+        #: that are no integers by themselves
+        self._constants: dict[tuple[int, int] | float, Node] = {}
         #: whether run-time parameters are among the inputs
         self.has_parameters = False
         #: whether sums are searched for terms that cancel
@@ -111,13 +115,12 @@ class Graph:
         """Return a constant; a node is returned as it is."""
         if isinstance(value, Node):
             return value
-        node = self._constants.get(value)
+        if not isinstance(value, (int, float, Fraction)):
+            value = Fraction(value)  # an integer of NumPy
+        key = value if isinstance(value, float) else value.as_integer_ratio()
+        node = self._constants.get(key)
         if node is None:
-            if isinstance(value, float) and not math.isfinite(value):
-                raise ValueError(f"a constant must be finite, not {value}")
-            exact = not isinstance(value, float) or value.is_integer()
-            number = Fraction(value) if exact else float(value)
-            node = self._constants[value] = self._node("const", (), number)
+            node = self._constants[key] = self._node("const", (), _number(value))
         return node
 
     def input(self, name: str, index: int) -> Node:
@@ -133,11 +136,11 @@ class Graph:
         if b.op == "const":
             if a.op == "const":
                 return self.constant(_sum(a.value, b.value))
-            if b.value == 0:
+            if b is self.zero:
                 return a
             if a.op in ("add", "sub") and any(arg.op == "const" for arg in a.args):
                 return self._shifted(a, b.value)
-            if b.value < 0:
+            if b.negative:
                 return self._sub(a, self.constant(-b.value))
         if b.op == "neg":
             return self.sub(a, b.args[0])
@@ -159,7 +162,7 @@ class Graph:
             return self.add(a, -b.value)
         if b.op == "neg":
             return self.add(a, b.args[0])
-        if a.op == "const" and a.value == 0:
+        if a is self.zero:
             return self.neg(b)
         if a.op == "neg":
             return self.neg(self.add(a.args[0], b))
@@ -239,11 +242,11 @@ class Graph:
         if b.op == "const":
             if a.op == "const":
                 return self.constant(a.value * b.value)
-            if b.value == 0:
+            if b is self.zero:
                 return self.zero
-            if b.value == 1:
+            if b is self.one:
                 return a
-            if b.value < 0:
+            if b.negative:
                 return self.neg(self.mul(a, -b.value))
             if a.op == "mul" and a.args[0].op == "const":
                 return self.mul(a.args[1], a.args[0].value * b.value)
@@ -259,16 +262,16 @@ class Graph:
         """Return a / b; a constant divisor becomes a factor."""
         a, b = self.constant(a), self.constant(b)
         if b.op == "const":
-            if b.value == 0:
+            if b is self.zero:
                 raise ZeroDivisionError("division by zero in an expression")
             return self.mul(a, 1 / b.value)
-        if a.op == "const" and a.value == 0:
+        if a is self.zero:
             return self.zero
         if a.op == "neg":
             return self.neg(self.div(a.args[0], b))
         if b.op == "neg":
             return self.neg(self.div(a, b.args[0]))
-        if a.op == "const" and a.value < 0:
+        if a.negative:
             return self.neg(self.div(-a.value, b))
         return self.one if a is b else self._node("div", (a, b))
 
@@ -313,6 +316,14 @@ def _combined(
     for x, c in b.items():
         total[x] = _sum(total.get(x, 0), sign * c)
     return total
+
+
+def _number(value: float | Fraction) -> Constant:
+    """Return a Fraction where a number is exact, else a float."""
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError(f"a constant must be finite, not {value}")
+    is_exact = not isinstance(value, float) or value.is_integer()
+    return Fraction(value) if is_exact else float(value)
 
 
 def _sum(a: Constant, b: Constant) -> Constant:
