@@ -190,13 +190,18 @@ class _Writer:
         self._load_inputs()
         leading = self._needed_for(self.routine.angles)
         inputs = self._reduce_angles(leading)
+        again = self._read_otherwise(leading) if inputs else set()
+        named = self.result_names
+        self.result_names = {node: name for node, name in named.items() if node not in again}
         for node in self.routine.schedule:
             if node in leading:
                 self._write(node)
+        angles = [self._text(angle).text for angle in self.routine.angles]
+        self.result_names = named
         self.texts.update(inputs)
-        self._write_sines(self.routine.angles)
+        self._write_sines(self.routine.angles, angles)
         for node in self.routine.schedule:
-            if node not in leading:
+            if node not in leading or node in again:
                 self._write(node)
         results = tuple(self._text(node).text for node in self.routine.results)
         return RoutineBody(tuple(self.statements), results, self.names)
@@ -269,23 +274,18 @@ class _Writer:
         return needed
 
     def _reduce_angles(self, leading: set[Node]) -> dict[Node, Text]:
-        """Reduce the inputs that are summed to angles, if nothing else is made of the sums.
+        """Reduce the inputs that are summed to angles, if angles are nothing but such sums.
 
         sin(a + b) = sin((a - 2 pi k) + b), but the double nearest to a + b is off by up to half a
         unit in its last place, 6e-11 at a million radians, and that of the small sum is not. The
-        sum is another number then, so only sines and cosines may be made of it: ``periodic`` counts
-        these uses. Where it is a result itself, nothing is reduced.
+        sum is another number then, so only sines and cosines may be made of it.
 
         Return the texts of the inputs as they are, for whatever else they are used in.
         """
-        sums = {node for node in leading if node.op in ("add", "sub", "neg")}
-        periodic = Counter(
-            a for n in self.routine.schedule if n in sums or n.op in ("sin", "cos") for a in n.args
-        )
-        if sums != leading or any(self.uses[node] > periodic[node] for node in sums):
+        if any(node.op not in ("add", "sub", "neg") for node in leading):
             return {}
         summed = dict.fromkeys(
-            a for n in self.routine.schedule if n in sums for a in n.args if a.op == "input"
+            a for n in self.routine.schedule if n in leading for a in n.args if a.op == "input"
         )
         if not summed:
             return {}
@@ -296,21 +296,33 @@ class _Writer:
         self.texts.update((node, Text(name)) for node, name in zip(summed, names, strict=True))
         return untouched
 
-    def _write_sines(self, angles: Sequence[Node]) -> None:
+    def _read_otherwise(self, leading: set[Node]) -> set[Node]:
+        """Return the sums of angles that something else is made of too, and what they consist of.
+
+        They are written once more, with the inputs as they are.
+        """
+        periodic = Counter(
+            a
+            for node in self.routine.schedule
+            if node in leading or node.op in ("sin", "cos")
+            for a in node.args
+        )
+        return self._needed_for([x for x in leading if self.uses[x] > periodic[x]])
+
+    def _write_sines(self, angles: Sequence[Node], texts: Sequence[str]) -> None:
         if angles:
-            texts = tuple(self._text(angle).text for angle in angles)
             for angle in angles:
                 self.pairs[angle] = self._pair_names(angle)
             pairs = tuple(self.pairs[angle] for angle in angles)
             take = self.names.take
             arrays = take("angle"), take("sine"), take("cosine")
-            self.statements.append(Sines(texts, pairs, arrays))
+            self.statements.append(Sines(tuple(texts), pairs, arrays))
 
     def _write(self, node: Node) -> None:
         if node.op in ("sin", "cos"):
             (angle,) = node.args
             if angle not in self.pairs:
-                self._write_sines([angle])
+                self._write_sines([angle], [self._text(angle).text])
             self.texts[node] = Text(self.pairs[angle][node.op == "cos"])
         elif node.op in ("sign", "call"):
             function = "sign" if node.op == "sign" else node.value

@@ -17,17 +17,21 @@ from typing import TYPE_CHECKING, Any
 
 from moro.algorithms.coordinates import displacements
 from moro.algorithms.drives import Functions, drive_torques, spring_torques
+from moro.algorithms.newton_euler import joint_torques
 from moro.algorithms.posture import Posture, posture, with_frame
 from moro.model import Model
 from moro.spatial.vectors import Scalar
 from moro_codegen.functions.alternatives import ClosedForms, Route, cheapest, nothing
 from moro_codegen.functions.function import Function
-from moro_codegen.graph.nodes import Graph, Node
+from moro_codegen.graph.nodes import Graph, Node, cost
 from moro_codegen.passes import PASSES, Pass, equivalent_postures, rearranged
 from moro_codegen.passes.factor import factored
 
 if TYPE_CHECKING:  # SymPy, which help does without
     from moro_codegen.functions.short_forms import ShortForms
+
+#: results of more operations take long to make: of equivalent arms, they are for only so many
+MANY, FEW = 800, 4
 
 #: from an arm in a posture to results, flat
 Algorithm = Callable[[Posture], Sequence[Scalar]]
@@ -112,14 +116,25 @@ class System:
         With run-time parameters, again with sums searched for what cancels: parameters that the
         equations do not have, at the cost of parts that sums shared.
         """
-        arms = list(equivalent_postures(arm, self.passes))
+        arms = self._tried(list(equivalent_postures(arm, self.passes)), algorithms[0])
         yield from (run(arm) for run in algorithms for arm in arms)
         if self.graph.has_parameters:
             self.graph.cancels = True
             for run in algorithms:
-                for other in equivalent_postures(arm, self.passes):
-                    yield factored([self.graph.constant(x) for x in run(other)])
+                for other in arms:
+                    yield factored(self.nodes(run(other)))
             self.graph.cancels = False
+
+    def _tried(self, arms: Sequence[Posture], algorithm: Algorithm) -> Sequence[Posture]:
+        """Return the arms to try: where results are long, the few whose torques are shortest."""
+        if len(arms) <= FEW or cost(self.nodes(algorithm(arms[0]))) <= MANY:
+            return arms
+        rates, accelerations = (
+            [self.graph.input(name, k) for k in range(self.model.nv)] for name in ("qd", "qdd")
+        )
+        costs = [cost(self.nodes(joint_torques(x, rates, accelerations))) for x in arms]
+        shortest = sorted(range(len(arms)), key=costs.__getitem__)[:FEW]
+        return [arms[k] for k in sorted(shortest)]
 
     def nodes(self, scalars: Iterable[Scalar]) -> list[Node]:
         """Return nodes for scalars, some of which may be numbers."""

@@ -11,11 +11,14 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Mapping, Sequence
+from decimal import Context, Decimal, localcontext
+from fractions import Fraction
 from random import Random
+from typing import Any, TypeVar
 
 import mpmath
 
-from moro_codegen.graph.nodes import Node, schedule
+from moro_codegen.graph.nodes import Constant, Node, schedule
 from moro_codegen.graph.precise import DIGITS, evaluate, inputs_of, operation
 
 #: so many times larger may errors be, at states of a kind on average
@@ -27,7 +30,9 @@ KINDS = (None, 1e-2, 1e-4, 1e-6)
 #: smaller errors, relative to the largest result, are none
 LEAST = 2.0**-54
 
-ARITHMETIC: dict[str, Callable[..., float]] = {
+Number = TypeVar("Number", float, Decimal)
+
+ARITHMETIC: dict[str, Callable[..., Any]] = {
     "add": operator.add,
     "sub": operator.sub,
     "mul": operator.mul,
@@ -75,23 +80,32 @@ def _errors(
     state: Mapping[Node, float],
 ) -> list[float]:
     """Return the errors of results in doubles, relative to the largest of all."""
-    with mpmath.workdps(DIGITS):
-        exact = evaluate([*results, *sines], {x: mpmath.mpf(y) for x, y in state.items()})
-        angular = dict(zip(sines, map(float, exact[len(results) :]), strict=True))
-        found = _in_doubles(results, order, {**state, **angular})
-        size = max(map(abs, exact[: len(results)])) or 1
-        pairs = zip(found, exact[: len(results)], strict=True)
-        return [float(abs(x - y) / size) for x, y in pairs]
+    with mpmath.workdps(DIGITS), localcontext(Context(prec=DIGITS)):
+        angular = evaluate(sines, {x: mpmath.mpf(y) for x, y in state.items()})
+        precise = {x: Decimal(mpmath.nstr(y, DIGITS)) for x, y in zip(sines, angular, strict=True)}
+        exact = _values(
+            results, order, {x: Decimal(y) for x, y in state.items()} | precise, _decimal
+        )
+        rounded = {x: float(y) for x, y in precise.items()}
+        found = _values(results, order, {**state, **rounded}, float)
+        size = max(map(abs, exact)) or 1
+        return [float(abs(Decimal(x) - y) / size) for x, y in zip(found, exact, strict=True)]
 
 
-def _in_doubles(
-    results: Sequence[Node], order: Sequence[Node], known: Mapping[Node, float]
-) -> list[float]:
-    """Return the values of results in doubles; functions are rounded correctly on any machine."""
+def _values(
+    results: Sequence[Node],
+    order: Sequence[Node],
+    known: Mapping[Node, Number],
+    number: Callable[[Any], Number],
+) -> list[Number]:
+    """Return the values of results in a kind of numbers; functions are rounded correctly.
+
+    ``number`` makes one of a constant, and of a number of mpmath's.
+    """
     values = dict(known)
 
-    def value(node: Node) -> float:
-        return float(node.value) if node.op == "const" else values[node]
+    def value(node: Node) -> Number:
+        return number(node.value) if node.op == "const" else values[node]
 
     for node in order:
         if node not in values:
@@ -99,5 +113,16 @@ def _in_doubles(
             if (arithmetic := ARITHMETIC.get(node.op)) is not None:
                 values[node] = arithmetic(*operands)
             else:
-                values[node] = float(operation(node)(*map(mpmath.mpf, operands)))
+                values[node] = number(operation(node)(*map(_mpf, operands)))
     return [value(node) for node in results]
+
+
+def _decimal(x: Constant) -> Decimal:
+    if isinstance(x, mpmath.mpf):
+        return Decimal(mpmath.nstr(x, DIGITS))
+    exact = Fraction(x)
+    return Decimal(exact.numerator) / Decimal(exact.denominator)
+
+
+def _mpf(x: float | Decimal) -> mpmath.mpf:
+    return mpmath.mpf(x if isinstance(x, float) else str(x))

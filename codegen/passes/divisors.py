@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import heapq
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 from typing import Any, NamedTuple, TypeAlias
 
@@ -104,6 +104,10 @@ class _Division:
     def __init__(self, polynomials: Sequence[Polynomial], factors: int) -> None:
         self.numbers = _Numbers()
         self.polynomials: list[dict[Cube, int]] = []
+        #: of each, the terms that may have a sum in common with others
+        self._paired: list[dict[Cube, int]] = []
+        #: the divisors of each term, with their places
+        self._standing: dict[Place, list[tuple[Divisor, Place]]] = {}
         self._next = factors
         self._candidates: dict[Divisor, _Candidate] = {}
         self._changed: dict[Divisor, None] = {}
@@ -166,6 +170,7 @@ class _Division:
 
     def _add(self, polynomial: Mapping[Cube, int]) -> None:
         self.polynomials.append({})
+        self._paired.append({})
         for cube, c in polynomial.items():
             self._insert(len(self.polynomials) - 1, cube, c)
 
@@ -176,59 +181,55 @@ class _Division:
             if total == 0:
                 return
             c = self.numbers.index(total)
-        for divisor, cost, place, gain in self._divisors(k, cube, c):
-            candidate = self._candidates.get(divisor)
-            if candidate is None:
-                candidate = _Candidate(cost, len(self._candidates))
-                self._candidates[divisor] = candidate
-            candidate.places[place] = gain
-            candidate.gain += gain
-            self._changed[divisor] = None
-        self.polynomials[k][cube] = c
-
-    def _remove(self, k: int, cube: Cube) -> int:
-        c = self.polynomials[k].pop(cube)
-        for divisor, _, place, gain in self._divisors(k, cube, c):
-            candidate = self._candidates[divisor]
-            del candidate.places[place]
-            candidate.gain -= gain
-            self._changed[divisor] = None
-        return c
-
-    def _divisors(self, k: int, cube: Cube, c: int) -> Iterator[tuple[Divisor, int, Place, int]]:
-        """Yield (divisor, its cost, place, gain) of a term, alone and with others of its sum."""
         place = k, cube
+        self._standing[place] = []
+        factors: Sequence[int] = cube
         if self._alone.isdisjoint(cube):
-            for other, d in self.polynomials[k].items():
-                if self._alone.isdisjoint(other):
-                    yield self._common_sum(k, (cube, c), (other, d))
+            for other, d in self._paired[k].items():
+                self._put_common_sum(k, (cube, c), (other, d))
+            self._paired[k][cube] = c
         else:
-            cube = tuple(x for x in cube if x not in self._alone)
-        for pair in dict.fromkeys(combinations(cube, 2)):
-            yield ("product", *pair), 1, place, 1
+            factors = [x for x in cube if x not in self._alone]
+        for pair in dict.fromkeys(combinations(factors, 2)):
+            self._put(("product", *pair), 1, place, 1, place)
         if not self.numbers.units[c]:
             size = self.numbers.parts(c)[1]
-            for x in dict.fromkeys(cube):
-                yield ("multiple", size, x), 1, place, 1
+            for x in dict.fromkeys(factors):
+                self._put(("multiple", size, x), 1, place, 1, place)
+        self.polynomials[k][cube] = c
 
-    def _common_sum(
-        self, k: int, term: tuple[Cube, int], other: tuple[Cube, int]
-    ) -> tuple[Divisor, int, Place, int]:
-        """Return the sum that two terms are a multiple of."""
-        numbers = self.numbers
+    def _put_common_sum(self, k: int, term: tuple[Cube, int], other: tuple[Cube, int]) -> None:
+        """Put the sum that two terms are a multiple of where it stands."""
         common, a, b = self._split(term[0], other[0])
         if b < a:
             term, other, a, b = other, term, b, a
         (first, c), (second, d) = term, other
-        ratio = numbers.ratio(d, c)
-        cost = self._products(a, numbers.one) + self._products(b, ratio) + 1
-        before = self._products(first, c) + self._products(second, d) + 1
-        after = len(common) + (not numbers.units[c])
-        return ("sum", a, b, ratio), cost, (k, first, second), before - after
+        ratio, units = self.numbers.ratio(d, c), self.numbers.units
+        cost = (len(a) - 1 if a else 0) + (len(b) - units[ratio] if b else 0) + 1
+        before = (len(first) - units[c] if first else 0) + (len(second) - units[d] if second else 0)
+        saved = before + 1 - len(common) - (not units[c])
+        self._put(("sum", a, b, ratio), cost, (k, first, second), saved, (k, first), (k, second))
 
-    def _products(self, cube: Cube, c: int) -> int:
-        """Return the multiplications of a term."""
-        return len(cube) - self.numbers.units[c] if cube else 0
+    def _put(self, divisor: Divisor, cost: int, place: Place, gain: int, *terms: Place) -> None:
+        """Put a divisor where it stands in one or two terms, so that it is known with each."""
+        candidate = self._candidates.get(divisor)
+        if candidate is None:
+            candidate = self._candidates[divisor] = _Candidate(cost, len(self._candidates))
+        candidate.places[place] = gain
+        candidate.gain += gain
+        self._changed[divisor] = None
+        for term in terms:
+            self._standing[term].append((divisor, place))
+
+    def _remove(self, k: int, cube: Cube) -> int:
+        self._paired[k].pop(cube, None)
+        for divisor, place in self._standing.pop((k, cube)):
+            candidate = self._candidates[divisor]
+            gain = candidate.places.pop(place, None)
+            if gain is not None:  # it did not go with the other term
+                candidate.gain -= gain
+                self._changed[divisor] = None
+        return self.polynomials[k].pop(cube)
 
     def _split(self, a: Cube, b: Cube) -> tuple[Cube, Cube, Cube]:
         """Return the factors that two terms have in common, and the rest of each, which differ."""

@@ -3,8 +3,9 @@
 import mpmath
 import numpy as np
 import pytest
-from programs import program, sines
+from programs import program, sines, vector
 
+from moro_codegen.functions.function import Function
 from moro_codegen.pipeline import build
 
 COUNTS = range(1, 10)
@@ -98,3 +99,25 @@ def test_signed_zeros_and_symmetry(kernel):
     assert np.array_equal(np.signbit(kernel.sines_2(np.array([0.0, -0.0]))[0]), [False, True])
     assert np.array_equal(mirrored[0], -sine)
     assert np.array_equal(mirrored[1], cosine)
+
+
+def of_a_sum(system, q):
+    """A sum of angles, one of its parts in something else, and sines of both."""
+    graph, pair = system.graph, q[0] + q[1]
+    return [[pair, graph.sin(pair - q[2]), graph.cos(pair), 3 * pair]]
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_a_sum_of_large_angles_that_is_more_than_an_angle(tmp_path, backend):
+    """Its sine is that of the sum as it is, before rounding; what is made of it is not turned."""
+    function = Function("f", (vector("q", 3),), (vector("y", 4),), "Of a sum.", of_a_sum)
+    kernel = build(program(function), tmp_path / "kernel", backend)
+    rng = np.random.default_rng(4)
+    q = rng.uniform(-1, 1, (60, 3)) * 10.0 ** rng.integers(0, 9, (60, 3))
+    total, sine, cosine, multiple = (kernel.f(q)[..., k] for k in range(4))
+    assert np.array_equal(total, q[:, 0] + q[:, 1])
+    assert np.allclose(multiple, 3 * total, rtol=1e-15, atol=0)
+    with mpmath.workprec(200):
+        for k, (a, b, c) in enumerate([[mpmath.mpf(x) for x in row] for row in q.tolist()]):
+            assert abs(mpmath.sin(a + b - c) - sine[k]) < 1e-12
+            assert abs(mpmath.cos(a + b) - cosine[k]) < 1e-12
