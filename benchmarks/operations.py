@@ -1,4 +1,4 @@
-"""What each pass saves: operations with and without it, and the time to generate.
+"""What each pass saves: operations with and without it, cycles to wait, and the time to generate.
 
     python benchmarks/operations.py            prints the tables
     python benchmarks/operations.py --write    writes benchmarks/results/operations.json too
@@ -25,6 +25,7 @@ import moro as mr
 from moro.abc import joint_variable
 from moro.model import Model
 from moro_codegen.passes import PASSES, Pass
+from moro_codegen.passes.arrival import last
 from moro_codegen.program import generate
 
 ARMS = ("puma560", "stanford_arm", "panda", "ur5", "two_link")
@@ -39,6 +40,8 @@ FUNCTIONS = (
     "forward_kinematics",
     "jacobian",
 )
+#: how long is waited for which results is shown
+WAITED_FOR = ("tau", "bias", "inertia_matrix", "coriolis_matrix", "forward_dynamics")
 JOINTS = (5, 10, 20, 50)
 #: what the code takes that Symoro+ 1.6 generated for the KUKA LWR, public in the folder LWR of
 #: github.com/ISIR-SYROCO/kukaKDL, for the same task. The files print counts with friction, a wrench
@@ -96,6 +99,23 @@ def functions() -> dict[str, dict[str, tuple[Count, Count, Count]]]:
         for arm, model in models.items():
             first, second, third = (operations(model, passes, name) for passes in ways)
             found.setdefault(name, {})[arm] = first, second, third
+    return found
+
+
+def latencies() -> dict[str, dict[str, tuple[int, int]]]:
+    """Return the cycles to the last result of every arm: as written, and in order of arrival."""
+    found: dict[str, dict[str, tuple[int, int]]] = {}
+    written = [x for x in PASSES if x is not Pass.ORDER_OF_ARRIVAL]
+    for name in WAITED_FOR:
+        for arm in ARMS:
+            if (name, arm) == ("forward_dynamics", "ur5"):
+                continue  # nothing resists its last joint
+            model = mr.load(arm).model()
+            before, after = (
+                generate(model, (name,), rigid=True, passes=passes).routines[0].results
+                for passes in (written, PASSES)
+            )
+            found.setdefault(name, {})[arm] = last(before), last(after)
     return found
 
 
@@ -161,6 +181,11 @@ def main() -> None:
     for name, counts in of_functions.items():
         cells = ("/".join(f"{n}" for n, _ in three) for three in counts.values())
         print(f"{name:{width}}", *(f"{cell:>13}" for cell in cells))
+    waits = latencies()
+    print("\ncycles to the last result: as written/in order of arrival")
+    for name, cycles in waits.items():
+        cells = ("/".join(map(str, cycles[arm])) if arm in cycles else "-" for arm in ARMS)
+        print(f"{name:{width}}", *(f"{cell:>13}" for cell in cells))
     print("\nKUKA LWR, full tensors: moro, Symoro+")
     for name, (own, other) in beside.items():
         print(f"{name:{width}} {own:9} {other:9}")
@@ -179,6 +204,7 @@ def main() -> None:
         results = {
             "operations": found,
             "functions": of_functions,
+            "latencies": waits,
             "kuka_lwr": beside,
             "seconds": times,
             "growth": growth,

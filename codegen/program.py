@@ -20,7 +20,6 @@ from moro_codegen.functions.system import System
 from moro_codegen.graph.from_sympy import Converter
 from moro_codegen.graph.nodes import Graph, Node, cost, count, parameters_of, replaced, schedule
 from moro_codegen.passes import PASSES, Pass, condensed
-from moro_codegen.passes.arrival import soonest
 from moro_codegen.progress import tell
 from moro_codegen.signature import (
     DTYPES,
@@ -217,7 +216,7 @@ def arranged(
     outputs = tuple(_resolved(argument, sizes) for argument in function.outputs)
     nodes = [[graph.input(a.name, k) for k in range(a.size)] for a in inputs]
     flat = [x for output in build(*nodes) for x in output]
-    return scheduled(function, inputs, outputs, soonest(condensed(flat, passes)))
+    return scheduled(function, inputs, outputs, condensed(flat, passes))
 
 
 def scheduled(

@@ -126,6 +126,19 @@ def of_functions() -> str:
     )
 
 
+def latencies() -> str:
+    """Return the cycles to the last result of functions: as written, and in order of arrival."""
+    found = _results("operations")["latencies"]
+    arms = list(next(iter(found.values())))
+    return _table(
+        ("", *arms),
+        (
+            (f"`{name}`", *(" → ".join(map(str, of[arm])) if arm in of else "" for arm in arms))
+            for name, of in found.items()
+        ),
+    )
+
+
 def beside_symoro() -> str:
     """Return the operations of the KUKA LWR's functions, moro's and Symoro+'s."""
     found = _results("operations")["kuka_lwr"]
@@ -317,6 +330,7 @@ NAMES = {
         arguments,
         operations,
         of_functions,
+        latencies,
         beside_symoro,
         accuracy,
         growth,

@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeAlias
 
 from moro_codegen.graph.nodes import Graph, Node, Operand, price
 from moro_codegen.passes import PASSES, Pass, lighter
-from moro_codegen.passes.arrival import latency
+from moro_codegen.passes.arrival import last, soonest
 
 
 class Route(Enum):
@@ -62,7 +62,7 @@ def cheapest(
         return Alternative(Route.RECURSION, found[prices.index(least)])
     first = sorted(zip(prices, found, strict=True), key=itemgetter(0))[:FINALISTS]
     near = [x for (parameters, time), x in first if (parameters, time / BEHIND) <= least]
-    best = min((lighter(x, passes) for x in near), key=lambda x: (price(x), latency(x)))
+    best = min((lighter(x, passes) for x in near), key=lambda x: (price(x), last(soonest(x))))
     others = [lighter(x, passes) for x in closed_form(PAIRS * price(best)[1])]
     for other in sorted(others, key=price):
         if price(other) >= price(best):

@@ -4,6 +4,7 @@ frames   where frames are, how they are turned, and the unit of length
 reduce   base inertial parameters
 factor   common factors of a sum
 share    common divisors of several sums
+arrival  terms in the order in which they are there
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from itertools import chain
 
 from moro.algorithms.posture import Posture
 from moro_codegen.graph.nodes import Node, cost
+from moro_codegen.passes.arrival import soonest
 from moro_codegen.passes.factor import factored
 from moro_codegen.passes.frames import (
     along_common_normals,
@@ -29,7 +31,7 @@ from moro_codegen.passes.share import shared
 
 
 class Pass(Enum):
-    """One way to need fewer operations; each builds on those before it."""
+    """One way to need fewer operations, the last one less time; each builds on those before it."""
 
     COMMON_NORMALS = "common normals"
     X_AXES = "x axes along them"
@@ -41,6 +43,7 @@ class Pass(Enum):
     COMMON_FACTORS = "common factors"
     COMMON_DIVISORS = "common divisors"
     CLOSED_FORMS = "closed forms"
+    ORDER_OF_ARRIVAL = "order of arrival"
 
 
 #: all of them, in order
@@ -80,7 +83,7 @@ def lighter(results: Sequence[Node], passes: Collection[Pass] = PASSES) -> list[
 
 
 def condensed(results: Sequence[Node], passes: Collection[Pass] = PASSES) -> list[Node]:
-    """Return the same values with common factors and divisors taken out of sums.
+    """Return the same values with common factors and divisors taken out of sums, results sooner.
 
     In turns, as long as that saves something.
     """
@@ -92,7 +95,7 @@ def condensed(results: Sequence[Node], passes: Collection[Pass] = PASSES) -> lis
             if cost(shorter) >= cost(results):
                 break
             results = shorter
-    return results
+    return soonest(results) if Pass.ORDER_OF_ARRIVAL in passes else results
 
 
 def _turned(arm: Posture, passes: Collection[Pass]) -> Iterator[Posture]:

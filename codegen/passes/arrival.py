@@ -20,10 +20,12 @@ LATENCY = {
 }  # fmt: skip
 
 
-def latency(results: Sequence[Node]) -> int:
+def last(results: Sequence[Node]) -> int:
     """Return when the last of the results is there, in cycles after the inputs."""
     arrival = Arrival()
-    return max(map(arrival.time, soonest(results)), default=0)
+    for node in schedule(results):  # operands first: long chains take no recursion
+        arrival.time(node)
+    return max(map(arrival.time, results), default=0)
 
 
 def soonest(results: Sequence[Node]) -> list[Node]:

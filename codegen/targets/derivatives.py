@@ -22,6 +22,7 @@ from moro_codegen.functions.function import Function, Outputs
 from moro_codegen.graph.derivatives import gradient, jacobian
 from moro_codegen.graph.nodes import Graph, Node, count, fewest, replaced, schedule
 from moro_codegen.graph.precise import vanishing
+from moro_codegen.passes.arrival import soonest
 from moro_codegen.passes.factor import factored
 from moro_codegen.program import Program, Routine, generate, scheduled
 from moro_codegen.signature import parameters_input
@@ -100,7 +101,7 @@ class Differentiable:
         if not results:
             return None
         function = Function(self.name, inputs, outputs, "Derivatives.", _in_nodes)
-        return scheduled(function, inputs, outputs, factored(results))
+        return scheduled(function, inputs, outputs, soonest(factored(results)))
 
     @property
     def operations(self) -> int:

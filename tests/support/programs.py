@@ -27,7 +27,8 @@ def bare_model(n, kind=REVOLUTE):
 
 def program(*functions, dof=3, parameters=(), name="hand_made"):
     """A program of Functions over one graph, as written; parameters are (name, default) pairs."""
-    passes = tuple(x for x in PASSES if x is not Pass.COMMON_DIVISORS)
+    rearranging = (Pass.COMMON_DIVISORS, Pass.ORDER_OF_ARRIVAL)
+    passes = tuple(x for x in PASSES if x not in rearranging)
     system = System(Graph(), bare_model(dof), passes=passes)
     return Program(
         name,
