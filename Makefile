@@ -4,15 +4,20 @@ BIN := .venv/bin
 # setuptools warns of every editable installation
 INSTALL := PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet
 
-.PHONY: demo test fuzz lint docs dist-check figures bench clean
+.PHONY: demo test sweep fuzz lint docs dist-check figures bench clean
 .DELETE_ON_ERROR:
 
 demo: .venv/installed
 	@$(BIN)/moro-codegen puma560
 
 test: .venv/tests
-	@echo "all tests: about nine minutes on two idle cores, longer on busy ones"
-	$(BIN)/pytest -n auto
+	@echo "all tests but the long ones of make sweep: about eight minutes on two idle cores"
+	$(BIN)/pytest -n auto -m "not sweep"
+
+# every function of many robots, random ones and long ones
+sweep: .venv/tests
+	@echo "the long tests: about five minutes on two idle cores"
+	$(BIN)/pytest -n auto -m sweep
 
 # robot files, expressions and names that nobody would think of, for so many seconds
 FUZZ ?= 300

@@ -35,6 +35,7 @@ def verified(robot, directory, functions=KINDS):
     return kernel
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("seed", range(3))
 def test_random_robots(seed, tmp_path):
     rng = random.Random(seed)
@@ -42,6 +43,7 @@ def test_random_robots(seed, tmp_path):
     verified(coupled(model, *random_rows(rng, 4)), tmp_path)
 
 
+@pytest.mark.sweep
 def test_a_palletizer(tmp_path):
     free = replace(five_joints(), coordinates=(Coordinate(),) * 5)
     model = replace(coupled(free, PALLETIZER, 4), coordinates=(Coordinate(),) * 4)

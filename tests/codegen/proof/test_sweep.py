@@ -1,6 +1,6 @@
 """Every function, through every backend, of every packaged arm and of random ones up to 12 joints.
 
-The longest tests there are: `pytest -m "not sweep"` leaves them out.
+Long tests: `make sweep` runs them, `make test` leaves them out.
 """
 
 import random

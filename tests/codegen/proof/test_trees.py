@@ -25,6 +25,7 @@ def test_every_function_of_a_tree_is_verified(seed, tmp_path):
     assert set(verification.errors) == set(SHORT)
 
 
+@pytest.mark.sweep
 def test_a_tree_in_symbols_takes_them_at_run_time(tmp_path):
     model = planar_tree()
     symbols = set[sp.Symbol]()

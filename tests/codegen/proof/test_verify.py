@@ -129,6 +129,7 @@ GEOMETRY = {
 }  # fmt: skip
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", RESISTED)
 def test_every_function_of_packaged_arms(name, folder):
     robot = mr.load(name)
@@ -142,6 +143,7 @@ def test_every_function_of_packaged_arms(name, folder):
         assert verification.passed
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("seed", range(4))
 def test_every_function_of_random_arms(seed, folder):
     rng = random.Random(seed)

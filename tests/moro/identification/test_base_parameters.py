@@ -256,6 +256,7 @@ def test_exactly_linear_with_everything_symbolic(twists, kinds, convention):
     assert exactly_linear(robot)
 
 
+@pytest.mark.sweep
 def test_exactly_linear_for_the_symbolic_puma():
     assert exactly_linear(symbolic_puma560())
 

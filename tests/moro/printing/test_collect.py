@@ -129,6 +129,7 @@ def test_equations_are_those_of_euler_and_lagrange(arm):
     assert [x.rhs for x in collected.equations] == [x.rhs for x in plain]
 
 
+@pytest.mark.sweep
 def test_fully_symbolic_puma_is_in_few_words():
     robot = symbolic_puma560()
     M, C = robot.inertia_matrix(collect=True), robot.coriolis_matrix(collect=True)

@@ -82,6 +82,7 @@ def test_both_routes_give_the_identical_form(convention):
     assert_routes_agree(robot)
 
 
+@pytest.mark.sweep
 def test_both_routes_agree_for_the_fully_symbolic_puma():
     robot = symbolic_puma560()
     assert_routes_agree(robot)

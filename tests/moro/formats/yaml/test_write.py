@@ -162,6 +162,7 @@ def close(one, other):
     assert all(known.get(frame.name) == frame.link for frame in one.frames)
 
 
+@pytest.mark.sweep
 @settings(deadline=None, max_examples=15)
 @given(seed=SEEDS, tree=st.booleans())
 def test_random_robots(tmp_path_factory, seed, tree):
