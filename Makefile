@@ -4,6 +4,9 @@ BIN := .venv/bin
 # setuptools warns of every editable installation
 INSTALL := PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet
 
+# tests start Python some hundred times: modules are compiled once
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: demo test sweep fuzz lint docs dist-check figures bench clean
 .DELETE_ON_ERROR:
 

@@ -21,9 +21,11 @@ def modules():
             yield ".".join(parts[:-1] if parts[-1] == "__init__" else parts), path
 
 
+MODULES = dict(modules())
+
+
 def imports(module, path):
     """Modules of the project that a module imports, also inside functions and for types."""
-    known = {name for name, _ in modules()}
     package = module if path.name == "__init__.py" else module.rpartition(".")[0]
     tree = ast.parse(path.read_text(encoding="utf-8"))
     for node in ast.walk(tree):
@@ -35,13 +37,13 @@ def imports(module, path):
                 above = package.split(".")[: len(package.split(".")) - node.level + 1]
                 base = ".".join([*above, *([base] if base else [])])
             names = [f"{base}.{alias.name}" for alias in node.names]
-            names = [name if name in known else base for name in names]
+            names = [name if name in MODULES else base for name in names]
         else:
             continue
-        yield from (name for name in names if name in known)
+        yield from (name for name in names if name in MODULES)
 
 
-GRAPH = {module: set(imports(module, path)) - {module} for module, path in modules()}
+GRAPH = {module: set(imports(module, path)) - {module} for module, path in MODULES.items()}
 
 
 def reached(module, graph=GRAPH):

@@ -127,6 +127,8 @@ def test_an_interrupt_exits_with_130(tmp_path):
     job = subprocess.Popen(
         [*COMMAND, "two_link"], env=os.environ | {"CC": str(compiler)},
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        # what a shell starts in the background does not hear interrupts
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
     end = time.monotonic() + 60
     while not (tmp_path / "running").exists():
