@@ -196,7 +196,7 @@ class _Writer:
         for node in self.routine.schedule:
             if node in leading:
                 self._write(node)
-        angles = [self._text(angle).text for angle in self.routine.angles]
+        angles = [inputs.get(x, self._text(x)).text for x in self.routine.angles]
         self.result_names = named
         self.texts.update(inputs)
         self._write_sines(self.routine.angles, angles)

@@ -232,6 +232,7 @@ def test_output_that_is_a_file(tmp_path):
     refused(run("two_link", "-o", "taken", cwd=tmp_path), "taken")
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", sorted(path.stem for path in ROBOTS.glob("*.yaml")))
 def test_every_packaged_arm_verifies(name, tmp_path):
     shutil.copy(ROBOTS / f"{name}.yaml", tmp_path / "mine.yaml")

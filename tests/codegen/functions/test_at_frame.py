@@ -66,6 +66,7 @@ ROBOTS = [
 ]  # fmt: skip
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("robot", "frame"), ROBOTS)
 def test_against_derivatives_of_the_pose(robot, frame, tmp_path):
     functions = ("tau", *(f"{name}@{frame}" for name in AT_FRAMES))

@@ -167,6 +167,7 @@ def check(kernel, robot, rng, **parameters):
         assert np.abs(single - found[0, 0]).max() <= tolerance * np.abs(values).max()
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", NAMES)
 def test_packaged_arms(name, tmp_path):
     robot = mr.load(name)
@@ -174,6 +175,7 @@ def test_packaged_arms(name, tmp_path):
     check(kernel, robot, np.random.default_rng(0))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 @pytest.mark.parametrize(("n", "convention"), [(1, "mdh"), (3, "dh")])
 def test_random_arms(n, convention, backend, tmp_path):

@@ -35,6 +35,7 @@ def test_errors_of_tau(tmp_path, name, dtype, roundoff):
     assert errors.max() < 40 * roundoff
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("scale", [10.0, 1e3, 9e4, 1e8, 1e15])
 @pytest.mark.parametrize("name", ["puma560", "ur5", "panda"])
 def test_errors_stay_small_at_large_angles(tmp_path, name, scale):

@@ -80,6 +80,7 @@ def test_a_kernel_of_another_arm_is_found_out(folder):
     assert "FAILED" in repr(verification)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 def test_single_precision(name, backend, folder):

@@ -63,6 +63,7 @@ def tree(rng, count):
     return inside[0], joints
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("seed", range(6))
 def test_random_trees(tmp_path, seed):
     rng = random.Random(seed)
