@@ -1,8 +1,8 @@
 """Sums and products take what is there first: results come sooner, with the same operations.
 
-A sum of n terms waits for its last operand and one addition more if that is added last, but for n
-of them if it comes first. Calls that wait for each other take as long as the longest chain of
-operations from an input to a result: of tau some ten for each joint.
+Calls that wait for each other take as long as the longest chain of operations from an input to a
+result. A term that comes last holds up a sum of n by one addition if it is added last, by n - 1 if
+it is added first.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ LATENCY = {
 def last(results: Sequence[Node]) -> int:
     """Return when the last of the results is there, in cycles after the inputs."""
     arrival = Arrival()
-    for node in schedule(results):  # operands first: long chains take no recursion
+    for node in schedule(results):
         arrival.time(node)
     return max(map(arrival.time, results), default=0)
 
@@ -40,6 +40,7 @@ def soonest(results: Sequence[Node]) -> list[Node]:
     for node in order:
         if node.op not in (*SUMS, "mul"):
             new[node] = node.graph.remake(node, [new.get(a, a) for a in node.args])
+            arrival.time(new[node])  # operands first: long chains take no recursion
         elif node not in sums.parts:
             terms = sums.terms(node)
             new[node] = arrival.sum(
