@@ -2,8 +2,9 @@
 
 A routine has more values than a processor has registers: the fewer wait to be read, the fewer go to
 memory and back. Long routines are divided, because the time that compilers take for a function
-grows with its square. What one part computes and a later one reads is handed on in an array, as the
-compiler would have done with it anyway; that array is most of the memory that a call takes.
+grows with its square, and what they make of one of a thousand statements is a third slower. What
+one part computes and a later one reads is handed on in an array, as the compiler would have done
+with it anyway; that array is most of the memory that a call takes.
 """
 
 from __future__ import annotations
@@ -25,8 +26,9 @@ from moro_codegen.emit.statements import (
     Statement,
 )
 
-#: statements of a part
-LENGTH = 500
+#: statements of a part: compilers make the best code of so many; fewer than three parts are not
+#: worth the array
+LENGTH, LEAST = 150, 3
 
 #: angles that are reduced, or whose sines are computed, at once: a multiple of those side by side
 ANGLES = 16
@@ -82,7 +84,7 @@ def in_parts(body: RoutineBody, inputs: Sequence[tuple[str, int]], length: int =
     loads = [s for s in body.statements if isinstance(s, Load)]
     work = [s for s in body.statements if not isinstance(s, Load)]
     count = round(len(work) / length)
-    if count <= 1:
+    if count < LEAST:
         return Parts(((*loads, *ordered(work, body.results)),), 0)
     pieces = ordered([s for statement in work for s in _split(statement, body)], body.results)
     ends = [len(pieces) * k // count for k in range(count + 1)]
