@@ -26,9 +26,9 @@ from moro_codegen.emit.statements import (
     Statement,
 )
 
-#: statements of a part: compilers make the best code of so many; fewer than three parts are not
-#: worth the array
-LENGTH, LEAST = 150, 3
+#: statements of a part, of which compilers make the best code, and the fewest parts that are worth
+#: the array
+LENGTH, LEAST = 80, 5
 
 #: angles that are reduced, or whose sines are computed, at once: a multiple of those side by side
 ANGLES = 16

@@ -31,7 +31,7 @@ from moro_codegen.program import generate
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 
 
-@pytest.fixture(params=[1, 5, 40])
+@pytest.fixture(params=[1, 5, 20])
 def length(request, monkeypatch):
     """Let the C of every program be divided, into parts of so many statements."""
     monkeypatch.setattr(c, "in_parts", partial(in_parts, length=request.param))
@@ -149,7 +149,7 @@ def test_numbers(tmp_path, monkeypatch, length, compiler):
     Also where so little stack is allowed that there are few lanes.
     """
     monkeypatch.setenv("CC", compiler)
-    monkeypatch.setattr(c, "STACK", c.STACK if length == 40 else 1)
+    monkeypatch.setattr(c, "STACK", c.STACK if length == 20 else 1)
     try:
         find_compiler()
     except RuntimeError:
@@ -158,7 +158,7 @@ def test_numbers(tmp_path, monkeypatch, length, compiler):
     program = generate(random_model(rng, 5))
     kernel = build(program, tmp_path / "arm")
     assert "arm_tau_lanes_part_1(" in kernel.source.read_text()
-    assert ("Fewer lanes" in kernel.source.read_text()) == (length != 40)
+    assert ("Fewer lanes" in kernel.source.read_text()) == (length != 20)
     q, qd, qdd = rng.uniform(-3, 3, (3, 27, 5))
     tau = kernel.tau(q, qd, qdd)
     assert np.array_equal(tau, [kernel.tau(*rows) for rows in zip(q, qd, qdd, strict=True)])
