@@ -30,8 +30,8 @@ class Alternative(NamedTuple):
 ClosedForms: TypeAlias = Callable[[int], Iterable[list[Node]]]
 
 #: of the recursions, the cheapest few are looked at again without what their sums share, if they
-#: take no more than so much longer than the first
-FINALISTS, BEHIND = 3, 1.03
+#: take no more than so much longer than the first, by a ratio and additions
+FINALISTS, BEHIND, ADDITIONS = 3, 1.03, 4
 #: what takes longer is taken from the cheapest recursion as it is: no closed form is shorter
 LONG = 2000
 #: pairs of terms, for each operation of the recursion, with which closed forms still are shorter
@@ -61,7 +61,8 @@ def cheapest(
     if least[1] > LONG:
         return Alternative(Route.RECURSION, found[prices.index(least)])
     first = sorted(zip(prices, found, strict=True), key=itemgetter(0))[:FINALISTS]
-    near = [x for (parameters, time), x in first if (parameters, time / BEHIND) <= least]
+    most = least[0], least[1] * BEHIND + ADDITIONS
+    near = [x for spent, x in first if spent <= most]
     best = min((lighter(x, passes) for x in near), key=lambda x: (price(x), last(soonest(x))))
     others = [lighter(x, passes) for x in closed_form(PAIRS * price(best)[1])]
     for other in sorted(others, key=price):
