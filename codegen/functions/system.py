@@ -116,17 +116,17 @@ class System:
         With run-time parameters, again with sums searched for what cancels: parameters that the
         equations do not have, at the cost of parts that sums shared.
         """
-        arms = self._tried(list(equivalent_postures(arm, self.passes)), algorithms[0])
-        yield from (run(arm) for run in algorithms for arm in arms)
+        arms = self._tried(arm, algorithms[0])
+        yield from (run(other) for run in algorithms for other in arms)
         if self.graph.has_parameters:
             self.graph.cancels = True
-            for run in algorithms:
-                for other in arms:
-                    yield factored(self.nodes(run(other)))
+            arms = self._tried(arm, algorithms[0])
+            yield from (factored(self.nodes(run(other))) for run in algorithms for other in arms)
             self.graph.cancels = False
 
-    def _tried(self, arms: Sequence[Posture], algorithm: Algorithm) -> Sequence[Posture]:
-        """Return the arms to try: where results are long, the few whose torques are shortest."""
+    def _tried(self, arm: Posture, algorithm: Algorithm) -> Sequence[Posture]:
+        """Return equivalent arms: where results are long, the few whose torques are shortest."""
+        arms = list(equivalent_postures(arm, self.passes))
         if len(arms) <= FEW or cost(self.nodes(algorithm(arms[0]))) <= MANY:
             return arms
         rates, accelerations = (
