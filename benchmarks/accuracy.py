@@ -53,7 +53,7 @@ def errors_of_sines(dtype: str) -> np.ndarray:
     argument = Argument("q", (1,), "rad", "angle")
     results = (Argument("sine", (1,), "1", ""), Argument("cosine", (1,), "1", ""))
     pair = Function(
-        "sines", (argument,), results, "",
+        "sine_cosine", (argument,), results, "",
         lambda system, q: [[system.graph.sin(q[0])], [system.graph.cos(q[0])]],
     )  # fmt: skip
     entry = routine(System(Graph(), moro.load("two_link").model()), pair)
@@ -63,7 +63,7 @@ def errors_of_sines(dtype: str) -> np.ndarray:
     x = np.concatenate([rng.uniform(-4, 4, ANGLES // 2), rng.uniform(-limit, limit, ANGLES // 2)])
     x = x.astype(dtype)
     with tempfile.TemporaryDirectory() as folder:
-        sine, cosine = build(program, Path(folder) / "circle").sines(x[:, None])
+        sine, cosine = build(program, Path(folder) / "circle").sine_cosine(x[:, None])
     return np.concatenate([sine_errors(sine[:, 0], x, "sin"), sine_errors(cosine[:, 0], x, "cos")])
 
 

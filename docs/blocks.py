@@ -29,6 +29,8 @@ from moro_codegen.program import generate
 
 ROOT = Path(__file__).resolve().parent.parent
 BLOCK = re.compile(r"^(<!-- write: ([^\n]+) -->\n)(.*?)^(<!-- end -->)$", re.MULTILINE | re.DOTALL)
+#: what a page needs from there on
+NEEDS = re.compile(r"^<!-- needs: (.*) -->$", re.MULTILINE)
 #: libraries that moro is measured beside, by the name of their package
 PEERS = {
     "pin": "Pinocchio",

@@ -17,10 +17,11 @@ import textwrap
 import traceback
 from collections.abc import Iterator
 from contextlib import redirect_stdout
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from docs.blocks import BLOCK, NAMES, ROOT
+from docs.blocks import BLOCK, NAMES, NEEDS, ROOT
 
 #: what has samples
 PAGES = (
@@ -52,7 +53,18 @@ def refreshed(text: str, names: dict[str, Any] | None = None) -> str:
             return match[0]
         return f"```python\n{''.join(_samples(code, names))}```"
 
-    return _PART.sub(part, text)
+    end = _within_reach(text)
+    return _PART.sub(part, text[:end]) + text[end:]
+
+
+def _within_reach(text: str) -> int:
+    """Return where a page begins to need what is not installed: it stays as it is from there."""
+    for match in NEEDS.finditer(text):
+        for name in match[1].split(", "):
+            if find_spec(name) is None:
+                print(f"the rest of the page needs {name}, not installed here", file=sys.stderr)
+                return match.start()
+    return len(text)
 
 
 def write_file(text: str) -> Path:

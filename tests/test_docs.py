@@ -50,7 +50,7 @@ def find_blocks(document: Document) -> Iterator[Region]:
 
 def find_needs(document: Document) -> Iterator[Region]:
     """Yield where a page needs what not everyone has: <!-- needs: numba, scipy -->."""
-    for match in re.finditer(r"^<!-- needs: (.*) -->$", document.text, re.MULTILINE):
+    for match in blocks.NEEDS.finditer(document.text):
         yield Region(match.start(), match.end(), match[1].split(", "), skip_without)
 
 
