@@ -14,12 +14,12 @@ demo: .venv/installed
 	@$(BIN)/moro-codegen puma560
 
 test: .venv/tests
-	@echo "all tests but the long ones of make sweep: about eight minutes on two idle cores"
+	@echo "all tests but the long ones of make sweep: eight to ten minutes on two idle cores"
 	$(BIN)/pytest -n auto -m "not sweep"
 
-# every function of many robots, random ones and long ones
+# every function of many robots, random ones and long ones; packages, built and installed
 sweep: .venv/tests
-	@echo "the long tests: about five minutes on two idle cores"
+	@echo "the long tests: about seven minutes on two idle cores"
 	$(BIN)/pytest -n auto -m sweep
 
 # robot files, expressions and names that nobody would think of, for so many seconds

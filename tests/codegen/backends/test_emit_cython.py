@@ -137,6 +137,7 @@ print(repr(float(expected)))
 """
 
 
+@pytest.mark.sweep
 def test_pip_install_and_cimport(tmp_path, kernels):
     """Installed without moro, called from Python and, without the GIL, from other Cython code."""
     folder = tmp_path / "all_ops_cython"
@@ -200,6 +201,7 @@ def test_a_failing_compiler_shows_its_own_words(monkeypatch, tmp_path):
     assert not (tmp_path / "build" / "arm").exists()
 
 
+@pytest.mark.sweep
 def test_another_kernel_takes_its_place(tmp_path):
     build(everything_program(), tmp_path / "arm", "cython")
     build(everything_program(), tmp_path / "arm", "numpy")

@@ -168,6 +168,7 @@ def test_kinds_of_machines():
 # -- what shapes a build -----------------------------------------------------------------------
 
 
+@pytest.mark.sweep
 def test_cflags_shape_cython_kernels_and_their_key(tmp_path, monkeypatch):
     monkeypatch.delenv("CFLAGS", raising=False)
     plain = build(affine(2), tmp_path / "arm", "cython")

@@ -118,6 +118,7 @@ def test_frames_take_parameters(tmp_path):
     assert mc.verify(kernel, robot).passed
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("backend", ["c", "cython", "numpy"])
 def test_names_that_are_no_identifiers(backend, tmp_path):
     model = replace(tree(1), frames=(Frame(ODD, 0, Placement()),))

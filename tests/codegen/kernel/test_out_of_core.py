@@ -9,6 +9,7 @@ from exports import python
 PROGRAM = Path(__file__).parents[2] / "support/out_of_core.py"
 
 
+@pytest.mark.sweep
 @pytest.mark.skipif(sys.platform != "linux", reason="limits of memory hold on Linux only")
 def test_from_zarr_to_zarr(tmp_path):
     for name in ("zarr", "dask", "distributed"):

@@ -21,6 +21,7 @@ def test_exact_torques_are_those_from_outside(name):
     assert tau == pytest.approx(s["tau"], rel=1e-12, abs=1e-12 * max(map(abs, s["tau"])))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("dtype", "roundoff"), [("float64", 2.0**-53), ("float32", 2.0**-24)])
 @pytest.mark.parametrize("name", NAMES)
 def test_errors_of_tau(tmp_path, name, dtype, roundoff):

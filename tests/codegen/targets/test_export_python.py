@@ -58,6 +58,7 @@ def check_states(file, cwd, functions, limit, **environment):
     assert max(float(line.split()[1]) for line in printed[:-1]) < limit
 
 
+@pytest.mark.sweep
 def test_a_module_where_it_is_written(kernel, tmp_path):
     (folder,) = mc.export(arm(), tmp_path, ("python",), FUNCTIONS)
     check_use("two_link", kernel, folder)
@@ -73,6 +74,7 @@ def test_a_module_in_single_precision(tmp_path):
     check_states("test_two_linkf.py", folder, len(FUNCTIONS), 1e-5)
 
 
+@pytest.mark.sweep
 def test_a_wheel(kernel, tmp_path):
     """Built by `python -m build`, from the sdist, and installed elsewhere."""
     pytest.importorskip("build", reason="build, which makes wheels, is not installed")
@@ -91,6 +93,7 @@ def test_a_wheel(kernel, tmp_path):
     assert not [name for name in sys.modules if name == "two_link_kernel"]
 
 
+@pytest.mark.sweep
 def test_a_package_where_it_is_written(tmp_path):
     """And on a processor that lacks what it was built for: it says so, and does not crash."""
     (folder,) = mc.export(arm(), tmp_path, ("cython",), ("tau",), prefix="mine")

@@ -205,6 +205,7 @@ def test_every_entry_of_the_symbolic_puma_is_there():
     assert "K &= \\tfrac{1}{2}\\dot{q}^{T}M\\dot{q}" in tex
 
 
+@pytest.mark.sweep
 def test_too_long_for_paper_is_said():
     tex = mr.load("panda").report("tex")
     assert "too long to print" in tex
