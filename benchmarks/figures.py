@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -50,13 +50,13 @@ def figures(results: Record) -> list[Figure]:
     batch = [r for r in results["batches"] if r["batch"] == large and r["arm"] == "ur5"]
     found = [
         Figure(
-            "tau, calls in a row, against CasADi, the least of all arms", 3, least(tau, "CasADi")
+            "tau, calls in a row, against CasADi, the least of all arms", 3, slowdown(tau, "CasADi")
         ),
-        Figure("the same where calls wait for each other", 2.5, least(waiting, "CasADi")),
+        Figure("the same where calls wait for each other", 2.5, slowdown(waiting, "CasADi")),
         Figure(
             "tau_derivatives against CasADi, the least of all arms",
             2.5,
-            least(derivatives, "CasADi"),
+            slowdown(derivatives, "CasADi"),
         ),
         Figure(
             "tau, one C call, UR5, against Pinocchio's rnea",
@@ -74,7 +74,7 @@ def figures(results: Record) -> list[Figure]:
     for function, (peer, reach) in AGAINST_PINOCCHIO.items():
         of_arms = [r for r in single if r["function"] == function and r["dof"] > 2]
         measure = f"{function} against {peer}, the least of all arms"
-        found.append(Figure(measure, reach, least(of_arms, "Pinocchio")))
+        found.append(Figure(measure, reach, slowdown(of_arms, "Pinocchio")))
     counts = {r["arm"]: r["add"] + r["mul"] for r in results["operations"]}
     for arm, reach in OPERATIONS.items():
         found.append(
@@ -92,25 +92,13 @@ def figures(results: Record) -> list[Figure]:
 
 
 def slowdown(records: Iterable[Record], peer: str, **where: Any) -> float | None:
-    """Return how many times longer than moro the peer takes; of several ways, its fastest."""
+    """Return how many times longer than moro the peer takes at least: of all arms and its ways."""
     ratios = [
         r["ratio"]
         for r in records
         if r["contender"].startswith(peer) and all(r[key] == x for key, x in where.items())
     ]
     return min(ratios, default=None)
-
-
-def least(records: Sequence[Record], peer: str) -> float | None:
-    """Return the smallest slowdown of all arms."""
-    return min(
-        (
-            ratio
-            for arm in dict.fromkeys(r["arm"] for r in records)
-            if (ratio := slowdown(records, peer, arm=arm)) is not None
-        ),
-        default=None,
-    )
 
 
 def faster_peers(results: Record) -> Iterator[str]:

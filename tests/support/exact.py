@@ -166,6 +166,16 @@ def _in_base(model, i, r, paths):
 EXACT = [x for x in PASSES if x is not Pass.X_AXES]
 
 
+def random_expressions(rng, graph, count):
+    """Sums and products of one another and of constants, and values of their inputs."""
+    nodes = [graph.input("x", i) for i in range(4)]
+    for _ in range(60):
+        a, b = (nodes[i] for i in rng.integers(len(nodes), size=2))
+        a = a if rng.random() < 0.8 else graph.constant(rational(rng))
+        nodes.append([a + b, a - b, a * b][rng.integers(3)])
+    return nodes[-count:], {"x": [rational(rng) for _ in range(4)]}
+
+
 def exact_values(results, inputs, sincos=()):
     """Return the values of nodes of a graph in Fractions.
 

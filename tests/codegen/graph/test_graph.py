@@ -6,7 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import sympy as sp
-from exact import exact_values, rational
+from exact import exact_values, random_expressions
 
 from moro_codegen.graph.from_sympy import Converter
 from moro_codegen.graph.nodes import Graph, constant_value, cost, count, fewest, schedule
@@ -177,14 +177,7 @@ class TestFactored:
     @pytest.mark.parametrize("seed", range(20))
     def test_random_expressions(self, graph, seed):
         """Exactly the same values, never more operations."""
-        rng = np.random.default_rng(seed)
-        nodes = [graph.input("x", i) for i in range(4)]
-        for _ in range(60):
-            a, b = (nodes[i] for i in rng.integers(len(nodes), size=2))
-            a = a if rng.random() < 0.8 else graph.constant(rational(rng))
-            nodes.append([a + b, a - b, a * b][rng.integers(3)])
-        results = nodes[-5:]
-        inputs = {"x": [rational(rng) for _ in range(4)]}
+        results, inputs = random_expressions(np.random.default_rng(seed), graph, 5)
         fewer = factored(results)
         assert exact_values(fewer, inputs) == exact_values(results, inputs)
         assert sum(ops(*fewer).values()) <= sum(ops(*results).values())

@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from arms import reference_model
-from exact import exact_values
+from exact import exact_values, random_expressions
 
 from moro_codegen.graph.nodes import Graph, cost, count, schedule
 from moro_codegen.passes import PASSES, Pass, condensed
@@ -46,18 +46,7 @@ def test_examples(graph, sums, expected):
 @pytest.mark.parametrize("seed", range(20))
 def test_random_expressions(graph, seed):
     """Exactly the same values, not more operations."""
-    rng = np.random.default_rng(seed)
-
-    def rational():
-        return Fraction(int(rng.integers(-9, 10)), int(rng.integers(1, 4)))
-
-    nodes = [graph.input("x", i) for i in range(4)]
-    for _ in range(60):
-        a, b = (nodes[i] for i in rng.integers(len(nodes), size=2))
-        a = a if rng.random() < 0.8 else graph.constant(rational())
-        nodes.append([a + b, a - b, a * b][rng.integers(3)])
-    results = nodes[-6:]
-    inputs = {"x": [rational() for _ in range(4)]}
+    results, inputs = random_expressions(np.random.default_rng(seed), graph, 6)
     for fewer in (shared(results, MOST), condensed(results)):
         assert exact_values(fewer, inputs) == exact_values(results, inputs)
     assert cost(condensed(results)) <= cost(results)
